@@ -1,0 +1,139 @@
+//! What can go wrong with a session log, and the way out.
+
+use std::io;
+
+use crate::Time;
+
+use super::Topic;
+
+/// Why a session log cannot be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum LogError {
+    /// The file system refused.
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    /// The bytes are something else.
+    #[error("not an MCAP file: {0}; give a log made by `tandem record` or `tandem replay`")]
+    NotMcap(&'static str),
+    /// MCAP, but without what makes it a session log.
+    #[error(
+        "an MCAP file, but not a session log: {0}; give a log made by `tandem record` or `tandem replay`"
+    )]
+    NotASession(String),
+    /// Made by a later version of the program.
+    #[error(
+        "log format version {found} is newer than {known}, the newest known here; read it with a newer tandem"
+    )]
+    TooNew {
+        /// Version that the log names.
+        found: u32,
+        /// Newest version that this build reads.
+        known: u32,
+    },
+    /// The head of the log does not make sense.
+    #[error("the head of the log cannot be used: {0}")]
+    Header(String),
+    /// The log ends before its end.
+    #[error(
+        "the log is cut off at byte {at_byte}, after {}; what stands before is usable: copy the log again, or work with that part",
+        reached(*.after)
+    )]
+    Truncated {
+        /// Where the bytes end.
+        at_byte: u64,
+        /// Seconds from the start of the session to the last whole message before.
+        after: Option<f64>,
+    },
+    /// A stretch of the log is not what was written.
+    #[error(
+        "the log is damaged at byte {at_byte}, after {}: {what}; what stands before is usable: copy the log again, or work with that part",
+        reached(*.after)
+    )]
+    Damaged {
+        /// Start of the record that is wrong.
+        at_byte: u64,
+        /// Seconds from the start of the session to the last whole message before.
+        after: Option<f64>,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// A topic carries other messages than it should.
+    #[error(
+        "{topic} carries {found} where {expected} is expected; the log was not written by this program"
+    )]
+    Schema {
+        /// The topic.
+        topic: &'static str,
+        /// Encoding and message that it should carry.
+        expected: String,
+        /// What it carries.
+        found: String,
+    },
+    /// A message cannot be decoded.
+    #[error(
+        "a message of {topic} cannot be decoded (byte {at_byte}, after {}): {what}; what stands before is usable",
+        reached(*.after)
+    )]
+    Decode {
+        /// The topic.
+        topic: &'static str,
+        /// Start of the record that holds it.
+        at_byte: u64,
+        /// Seconds from the start of the session to the last whole message before.
+        after: Option<f64>,
+        /// What the decoder says.
+        what: String,
+    },
+    /// Log times do not increase.
+    #[error(
+        "log time goes back: {topic} at {} ns follows {} ns; a session log holds its events in the order of their times",
+        at.0, previous.0
+    )]
+    Order {
+        /// The topic of the later event.
+        topic: &'static str,
+        /// Its log time.
+        at: Time,
+        /// The log time before.
+        previous: Time,
+    },
+    /// The writer refused, e.g. because an earlier write failed.
+    #[error("cannot write the log: {0}")]
+    Write(String),
+}
+
+/// How far a damaged log can be read.
+fn reached(after: Option<f64>) -> String {
+    after.map_or_else(|| "no message".to_owned(), |seconds| format!("{seconds:.3} s of session"))
+}
+
+impl LogError {
+    /// Whether a session log is there and readable up to the place where this happened.
+    pub fn is_damage(&self) -> bool {
+        matches!(
+            self,
+            LogError::Truncated { .. }
+                | LogError::Damaged { .. }
+                | LogError::Decode { .. }
+                | LogError::Order { .. }
+        )
+    }
+
+    pub(super) fn schema(topic: Topic, encoding: &str, schema: &str) -> LogError {
+        let info = topic.info();
+        LogError::Schema {
+            topic: info.name,
+            expected: format!("{} as protobuf", info.schema),
+            found: format!("{schema:?} as {encoding:?}"),
+        }
+    }
+}
+
+impl From<mcap::McapError> for LogError {
+    fn from(error: mcap::McapError) -> Self {
+        match error {
+            mcap::McapError::Io(error) => LogError::Io(error),
+            other => LogError::Write(other.to_string()),
+        }
+    }
+}

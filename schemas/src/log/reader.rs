@@ -1,0 +1,212 @@
+//! Reading a session log.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, Read};
+use std::path::Path;
+
+use super::bytes::Bytes;
+use super::encode::decode;
+use super::header::{self, HeadParts};
+use super::messages::{Item, Message, Messages};
+use super::topics::TOPICS;
+use super::{LogError, Topic};
+use crate::{Event, Header, Stamped, Time};
+
+/// A log whose head has been read: its messages, undecoded.
+pub(super) struct Opened<R> {
+    pub(super) messages: Messages<R>,
+    pub(super) header: Header,
+    /// The first message, met while looking for the end of the head.
+    pending: Option<Result<Option<Message>, LogError>>,
+}
+
+impl<R: Read> Opened<R> {
+    pub(super) fn new(source: R) -> Result<Self, LogError> {
+        let mut messages = Messages::new(source)?;
+        let mut parts = HeadParts::default();
+        let first = loop {
+            match messages.next() {
+                Ok(Some(Item::Message(message))) => break Ok(Some(message)),
+                Ok(Some(Item::Metadata)) => {
+                    if let Some(map) = parse_metadata(messages.body(), header::RUN) {
+                        parts.run = Some(header::from_map(&map)?);
+                    }
+                }
+                Ok(Some(Item::Attachment)) => {
+                    if let Some((name, data)) = parse_attachment(messages.body())? {
+                        parts.attach(name, data)?;
+                    }
+                }
+                Ok(None) => break Ok(None),
+                Err(error) => break Err(error),
+            }
+        };
+        let header = match parts.complete() {
+            Ok(header) => header,
+            // What cut the head short explains more than what is therefore missing.
+            Err(missing) => return Err(first.err().unwrap_or(missing)),
+        };
+        messages.start = header.run.start;
+        Ok(Opened { messages, header, pending: Some(first) })
+    }
+
+    /// The next message of any topic; `None` at the end, and after an error.
+    pub(super) fn next(&mut self) -> Result<Option<Message>, LogError> {
+        if let Some(pending) = self.pending.take() {
+            return pending;
+        }
+        loop {
+            match self.messages.next()? {
+                Some(Item::Message(message)) => return Ok(Some(message)),
+                Some(Item::Metadata | Item::Attachment) => {}
+                None => return Ok(None),
+            }
+        }
+    }
+
+    /// The event in a message; `None` for messages that hold none.
+    pub(super) fn event(&self, message: &Message) -> Result<Option<Event>, LogError> {
+        let Some(channel) = self.messages.channel(message.channel) else { return Ok(None) };
+        let Some(topic) = channel.ours.filter(|topic| !topic.info().view) else { return Ok(None) };
+        if !channel.as_expected {
+            return Err(LogError::schema(topic, &channel.encoding, &channel.schema));
+        }
+        decode(topic, self.messages.payload(message)).map_err(|error| LogError::Decode {
+            topic: topic.name(),
+            at_byte: self.messages.record_byte(),
+            after: self.messages.reached_s(),
+            what: error.to_string(),
+        })
+    }
+}
+
+/// Reads the events of a session log in their order, in memory bounded by one chunk.
+///
+/// Every whole message before a damaged place is given before the error that names the place;
+/// after an error comes the end.
+pub struct LogReader<R> {
+    opened: Opened<R>,
+    wanted: [bool; TOPICS.len()],
+    last: Option<Time>,
+    failed: bool,
+}
+
+impl LogReader<BufReader<File>> {
+    /// Opens a log and reads its head.
+    ///
+    /// # Errors
+    /// The file cannot be read, is not a session log, is newer than this build, or is damaged
+    /// before its first message.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, LogError> {
+        LogReader::new(BufReader::with_capacity(1 << 16, File::open(path)?))
+    }
+}
+
+impl<R: Read> LogReader<R> {
+    /// Reads the head of a log. The source should be buffered.
+    ///
+    /// # Errors
+    /// As [`LogReader::open`].
+    pub fn new(source: R) -> Result<Self, LogError> {
+        let wanted = TOPICS.map(|info| !info.view);
+        Ok(LogReader { opened: Opened::new(source)?, wanted, last: None, failed: false })
+    }
+
+    /// Gives the events of these topics only; the others are passed over undecoded.
+    #[must_use]
+    pub fn only(mut self, topics: &[Topic]) -> Self {
+        self.wanted = TOPICS.map(|info| !info.view && topics.contains(&info.topic));
+        self
+    }
+
+    /// What stands at the head of the log.
+    pub fn header(&self) -> &Header {
+        &self.opened.header
+    }
+
+    /// The next event; `None` at the end of the log, and after an error.
+    ///
+    /// # Errors
+    /// The log is damaged here, carries something else than it should, or its times go back.
+    pub fn next_event(&mut self) -> Result<Option<Stamped<Event>>, LogError> {
+        if self.failed {
+            return Ok(None);
+        }
+        let next = self.advance();
+        self.failed = next.is_err();
+        next
+    }
+
+    fn advance(&mut self) -> Result<Option<Stamped<Event>>, LogError> {
+        while let Some(message) = self.opened.next()? {
+            let topic = self.opened.messages.channel(message.channel).and_then(|c| c.ours);
+            let Some(topic) = topic.filter(|topic| self.wanted[*topic as usize]) else { continue };
+            if let Some(previous) = self.last.filter(|last| message.at < *last) {
+                return Err(LogError::Order { topic: topic.name(), at: message.at, previous });
+            }
+            if let Some(value) = self.opened.event(&message)? {
+                self.last = Some(message.at);
+                return Ok(Some(Stamped { at: message.at, value }));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether the log has been read to its proper end: footer and closing bytes seen, all check
+    /// sums right. False until then.
+    pub fn is_complete(&self) -> bool {
+        !self.failed && self.opened.messages.is_complete()
+    }
+}
+
+impl<R: Read> Iterator for LogReader<R> {
+    type Item = Result<Stamped<Event>, LogError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.next_event().transpose()
+    }
+}
+
+/// The map in a metadata record, if the record has this name.
+fn parse_metadata(body: &[u8], wanted: &str) -> Option<BTreeMap<String, String>> {
+    let mut bytes = Bytes(body);
+    if bytes.text()? != wanted {
+        return None;
+    }
+    let mut pairs = Bytes(bytes.blob32()?);
+    let mut map = BTreeMap::new();
+    while !pairs.0.is_empty() {
+        map.insert(pairs.text()?.to_owned(), pairs.text()?.to_owned());
+    }
+    Some(map)
+}
+
+/// Name and content of an attachment record; `None` where it does not parse, as ours always do.
+fn parse_attachment(body: &[u8]) -> Result<Option<(&str, &[u8])>, LogError> {
+    let parse = || {
+        let mut bytes = Bytes(body);
+        bytes.u64()?;
+        bytes.u64()?;
+        let name = bytes.text()?;
+        bytes.text()?;
+        let data = bytes.blob64()?;
+        let covered = body.len() - bytes.0.len();
+        Some((name, data, &body[..covered], bytes.u32()?))
+    };
+    let Some((name, data, covered, crc)) = parse() else { return Ok(None) };
+    if crc != 0 && crc != crc32fast::hash(covered) {
+        return Err(LogError::Header(format!(
+            "the check sum of attachment `{name}` is wrong; copy the log again"
+        )));
+    }
+    Ok(Some((name, data)))
+}
+
+#[cfg(test)]
+impl<R: Read> LogReader<R> {
+    /// What the reader's buffers have room for, bytes.
+    pub(super) fn buffered_bytes(&self) -> usize {
+        self.opened.messages.buffered_bytes()
+    }
+}

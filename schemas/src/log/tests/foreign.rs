@@ -1,0 +1,329 @@
+//! Files that other programs made: rewritten logs are read, other things are named for what they are.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::io::Cursor;
+
+use mcap::records::MessageHeader;
+use mcap::write::Metadata;
+
+use super::session::{events, header, read, text};
+use crate::log::header::{PARAMS, RUN, SCENARIO, to_map};
+use crate::log::{Encoder, LogError, LogReader, Topic, descriptors};
+use crate::{FORMAT_VERSION, Header};
+
+type Mcap = mcap::Writer<Cursor<Vec<u8>>>;
+
+/// A file made with another writer: `fill` puts in what it likes.
+fn file(options: mcap::WriteOptions, fill: impl FnOnce(&mut Mcap)) -> Vec<u8> {
+    let mut mcap = options.create(Cursor::new(Vec::new())).expect("memory takes all");
+    fill(&mut mcap);
+    mcap.finish().expect("memory takes all");
+    mcap.into_inner().into_inner()
+}
+
+fn put_head(mcap: &mut Mcap, header: &Header) {
+    let metadata = Metadata { name: RUN.to_owned(), metadata: to_map(&header.run) };
+    mcap.write_metadata(&metadata).expect("memory takes all");
+    put_attachment(mcap, PARAMS, header.params_toml.as_bytes());
+    put_attachment(mcap, SCENARIO, header.scenario.to_toml().as_bytes());
+}
+
+fn put_attachment(mcap: &mut Mcap, name: &str, data: &[u8]) {
+    mcap.attach(&mcap::Attachment {
+        log_time: 1,
+        create_time: 1,
+        name: name.to_owned(),
+        media_type: "text/plain".to_owned(),
+        data: Cow::Borrowed(data),
+    })
+    .expect("memory takes all");
+}
+
+/// One message on a channel of one's own choosing.
+fn put(mcap: &mut Mcap, topic: &str, schema: &str, at: u64, data: &[u8]) {
+    let schema = mcap.add_schema(schema, "protobuf", b"").expect("memory takes all");
+    let channel_id =
+        mcap.add_channel(schema, topic, "protobuf", &BTreeMap::new()).expect("memory takes all");
+    let head = MessageHeader { channel_id, sequence: 0, log_time: at, publish_time: at };
+    mcap.write_to_known_channel(&head, data).expect("memory takes all");
+}
+
+fn default() -> mcap::WriteOptions {
+    mcap::WriteOptions::new()
+}
+
+fn only_error(log: &[u8]) -> LogError {
+    match LogReader::new(log) {
+        Ok(_) => panic!("this should not open"),
+        Err(error) => error,
+    }
+}
+
+#[test]
+fn a_log_rewritten_by_another_program_reads_the_same() {
+    let written = events(4);
+    let variants = [
+        ("no compression", default().compression(None)),
+        ("lz4", default().compression(Some(mcap::Compression::Lz4))),
+        ("no chunks", default().use_chunks(false)),
+        ("zstd, sums left out", {
+            default().calculate_chunk_crcs(false).calculate_data_section_crc(false)
+        }),
+        ("no summary", default().emit_summary_records(false).emit_message_indexes(false)),
+    ];
+    for (name, options) in variants {
+        let log = file(options, |mcap| {
+            put_head(mcap, &header());
+            let mut encoder = Encoder::new();
+            for event in &written {
+                // A topic of somebody else's between ours.
+                put(mcap, "/elsewhere", "other.Message", event.at.0, b"\xff\xff");
+                let info = Topic::of(&event.value).info();
+                let (topic, data) = encoder.encode(&event.value);
+                put(mcap, topic, info.schema, event.at.0, data);
+            }
+        });
+        let (back, error, complete) = read(&log);
+        assert!(error.is_none(), "{name}: {error:?}");
+        assert!(complete, "{name}");
+        assert_eq!(text(&back), text(&written), "{name}");
+        for cut in (0..log.len()).step_by(5) {
+            let (back, error, _) = read(&log[..cut]);
+            assert!(error.is_some(), "{name} cut at {cut}");
+            assert_eq!(text(&back), text(&written[..back.len()]), "{name} cut at {cut}");
+        }
+    }
+}
+
+#[test]
+fn what_is_no_log_is_named_for_what_it_is() {
+    let cases: [(&[u8], &str); 4] = [
+        (b"", "not an MCAP file: it is empty"),
+        (b"x", "not an MCAP file: its first bytes are other"),
+        (b"a text file, longer than the magic", "not an MCAP file: its first bytes are other"),
+        (b"\x89MCAP0\r\n", "cut off at byte 8"),
+    ];
+    for (bytes, message) in cases {
+        let error = only_error(bytes).to_string();
+        assert!(error.contains(message), "{error}");
+    }
+}
+
+#[test]
+fn an_mcap_file_without_our_head_is_not_a_session() {
+    let foreign = file(default(), |mcap| put(mcap, "/chat", "other.Message", 5, b"x"));
+    let error = only_error(&foreign);
+    assert!(matches!(&error, LogError::NotASession(_)), "{error:?}");
+    assert!(error.to_string().contains("tandem.run"), "{error}");
+    assert!(!error.is_damage());
+
+    let empty = file(default(), |_| {});
+    assert!(matches!(only_error(&empty), LogError::NotASession(_)));
+
+    let half = file(default(), |mcap| {
+        let metadata = Metadata { name: RUN.to_owned(), metadata: to_map(&header().run) };
+        mcap.write_metadata(&metadata).expect("memory takes all");
+        put_attachment(mcap, PARAMS, b"");
+        put(mcap, "/step", "tandem.v1.Step", 5, b"");
+    });
+    let error = only_error(&half).to_string();
+    assert!(error.contains("scenario.toml"), "{error}");
+}
+
+#[test]
+fn a_newer_format_is_refused_and_an_odd_head_is_explained() {
+    let with = |change: &dyn Fn(&mut BTreeMap<String, String>)| {
+        file(default(), |mcap| {
+            let mut map = to_map(&header().run);
+            change(&mut map);
+            mcap.write_metadata(&Metadata { name: RUN.to_owned(), metadata: map })
+                .expect("memory takes all");
+            put_attachment(mcap, PARAMS, b"");
+            put_attachment(mcap, SCENARIO, header().scenario.to_toml().as_bytes());
+        })
+    };
+    let newer = with(&|map| {
+        map.insert("format_version".to_owned(), (FORMAT_VERSION + 1).to_string());
+    });
+    assert!(matches!(
+        only_error(&newer),
+        LogError::TooNew { found, known } if found == FORMAT_VERSION + 1 && known == FORMAT_VERSION
+    ));
+    let lacking = with(&|map| {
+        map.remove("start_ns");
+    });
+    assert!(only_error(&lacking).to_string().contains("lacks the key `start_ns`"));
+    let odd = with(&|map| {
+        map.insert("seed".to_owned(), "many".to_owned());
+    });
+    assert!(only_error(&odd).to_string().contains("`seed` in `tandem.run` is \"many\""));
+    // A key that a later version adds does not stop an older reader.
+    let added = with(&|map| {
+        map.insert("weather".to_owned(), "fine".to_owned());
+    });
+    assert_eq!(LogReader::new(added.as_slice()).expect("opens").header().run, header().run);
+}
+
+#[test]
+fn a_scenario_that_cannot_be_used_is_explained_in_one_line() {
+    let log = file(default(), |mcap| {
+        let metadata = Metadata { name: RUN.to_owned(), metadata: to_map(&header().run) };
+        mcap.write_metadata(&metadata).expect("memory takes all");
+        put_attachment(mcap, SCENARIO, b"name = 3");
+    });
+    let error = only_error(&log).to_string();
+    assert!(error.contains("attachment `scenario.toml`: "), "{error}");
+    assert!(!error.contains('\n'), "{error}");
+}
+
+#[test]
+fn another_message_on_one_of_our_topics_is_an_error_on_an_unread_topic_it_is_none() {
+    let log = file(default(), |mcap| {
+        put_head(mcap, &header());
+        put(mcap, "/imu", "sensor_msgs.Imu", 5, b"");
+        put(mcap, "/step", "tandem.v1.Step", 6, b"");
+    });
+    let (_, error, _) = read(&log);
+    let error = error.expect("noticed");
+    assert!(matches!(error, LogError::Schema { topic: "/imu", .. }), "{error:?}");
+    assert!(error.to_string().contains("sensor_msgs.Imu"), "{error}");
+
+    let mut reader = LogReader::new(log.as_slice()).expect("opens").only(&[Topic::Step]);
+    assert_eq!(reader.next_event().expect("reads").map(|event| event.at.0), Some(6));
+    assert!(reader.next_event().expect("reads").is_none());
+    assert!(reader.is_complete());
+}
+
+#[test]
+fn an_undecodable_message_is_named_by_topic_and_place() {
+    let log = file(default(), |mcap| {
+        put_head(mcap, &header());
+        put(mcap, "/command", "tandem.v1.Command", header().run.start.0 + 1, b"");
+        put(mcap, "/step", "tandem.v1.Step", header().run.start.0 + 2, b"\xff\xff\xff");
+    });
+    let (back, error, _) = read(&log);
+    assert_eq!(back.len(), 1);
+    assert!(matches!(error, Some(LogError::Decode { topic: "/step", .. })), "{error:?}");
+}
+
+#[test]
+fn times_that_go_back_are_an_error_and_equal_ones_keep_their_order() {
+    let log = file(default(), |mcap| {
+        put_head(mcap, &header());
+        for at in [5, 5, 6, 4] {
+            put(mcap, "/command", "tandem.v1.Command", at, b"");
+        }
+    });
+    let (back, error, _) = read(&log);
+    assert_eq!(back.iter().map(|event| event.at.0).collect::<Vec<_>>(), [5, 5, 6]);
+    assert!(
+        matches!(&error, Some(LogError::Order { topic: "/command", at, previous })
+            if at.0 == 4 && previous.0 == 6),
+        "{error:?}"
+    );
+}
+
+/// A whole record by hand.
+fn record(opcode: u8, claimed: u64, body: &[u8]) -> Vec<u8> {
+    [&[opcode][..], &claimed.to_le_bytes(), body].concat()
+}
+
+/// A chunk record by hand, with its claims.
+fn chunk(uncompressed: u64, compression: &str, compressed: u64, data: &[u8]) -> Vec<u8> {
+    let mut body = vec![0; 16];
+    body.extend(uncompressed.to_le_bytes());
+    body.extend(0_u32.to_le_bytes());
+    body.extend((compression.len() as u32).to_le_bytes());
+    body.extend(compression.as_bytes());
+    body.extend(compressed.to_le_bytes());
+    body.extend(data);
+    body
+}
+
+#[test]
+fn hostile_lengths_are_refused_without_believing_them() {
+    let whole = file(default(), |mcap| put_head(mcap, &header()));
+    let head = &whole[..mcap_data_end(&whole)];
+    let bomb = zstd::bulk::compress(&vec![0; 1 << 20], 1).expect("compresses");
+    let text_claim = [&[1, 0][..], &u32::MAX.to_le_bytes(), b"abc"].concat();
+    let cases = [
+        ("endless chunk", record(0x06, u64::MAX, b"")),
+        ("endless message", record(0x05, u64::MAX, b"")),
+        ("endless attachment", record(0x09, u64::MAX, b"abc")),
+        ("endless unknown record", record(0x99, 1 << 62, b"abc")),
+        ("endless text in a schema", record(0x03, text_claim.len() as u64, &text_claim)),
+        ("huge content", {
+            let body = chunk(1 << 62, "zstd", 3, b"abc");
+            record(0x06, body.len() as u64, &body)
+        }),
+        ("more data than the record", {
+            let body = chunk(10, "", 1 << 40, b"abc");
+            record(0x06, body.len() as u64, &body)
+        }),
+        ("a compressed bomb that claims little", {
+            let body = chunk(10, "zstd", bomb.len() as u64, &bomb);
+            record(0x06, body.len() as u64, &body)
+        }),
+        ("a compression nobody knows", {
+            let body = chunk(3, "xz", 3, b"abc");
+            record(0x06, body.len() as u64, &body)
+        }),
+        ("a record beyond its chunk", {
+            let data = record(0x05, 1 << 50, b"");
+            let body = chunk(data.len() as u64, "", data.len() as u64, &data);
+            record(0x06, body.len() as u64, &body)
+        }),
+        ("a message on no channel", {
+            let data = record(0x05, 22, &[7; 22]);
+            let body = chunk(data.len() as u64, "", data.len() as u64, &data);
+            record(0x06, body.len() as u64, &body)
+        }),
+    ];
+    for (name, hostile) in cases {
+        let log = [head, &hostile].concat();
+        let mut reader = LogReader::new(log.as_slice()).expect("the head is whole");
+        let error = reader.next_event().expect_err(name);
+        assert!(error.is_damage(), "{name}: {error:?}");
+        assert!(reader.buffered_bytes() < 4 << 20, "{name}: {}", reader.buffered_bytes());
+    }
+}
+
+/// Where the data section ends, by walking over the records.
+fn mcap_data_end(log: &[u8]) -> usize {
+    let mut at = 8;
+    while log[at] != 0x0F {
+        let length = u64::from_le_bytes(log[at + 1..at + 9].try_into().expect("eight bytes"));
+        at += 9 + length as usize;
+    }
+    at
+}
+
+#[test]
+fn every_channel_is_described_by_itself() {
+    // The contract of a self-contained schema: the set names every file that its files import, and
+    // defines the message that the channel carries.
+    for info in super::super::TOPICS {
+        let data = descriptors::schema_data(info.topic);
+        let set = <prost_types::FileDescriptorSet as prost::Message>::decode(data.as_slice())
+            .expect("a descriptor set");
+        let files: Vec<&str> =
+            set.file.iter().map(prost_types::FileDescriptorProto::name).collect();
+        for file in &set.file {
+            assert!(file.source_code_info.is_none(), "{}: comments in {}", info.name, file.name());
+            for import in &file.dependency {
+                assert!(files.contains(&import.as_str()), "{}: {import} is missing", info.name);
+            }
+        }
+        let defined = set.file.iter().any(|file| {
+            file.message_type
+                .iter()
+                .any(|m| format!("{}.{}", file.package(), m.name()) == info.schema)
+        });
+        assert!(defined, "{}: {} is not defined", info.name, info.schema);
+        // Nothing beyond what is needed: /imu imports nothing.
+        if info.topic == Topic::Imu {
+            assert_eq!(files, ["tandem/v1/imu.proto"]);
+        }
+    }
+}

@@ -1,0 +1,541 @@
+//! One step of the controller, field by field.
+//!
+//! The table at the end is the only place that knows the list of fields: it makes the domain type,
+//! its way to and from protobuf, and the catalogue ([`Step::FIELDS`]) that diffs, explanations and
+//! reports go by. Each field belongs to a [`Node`] of the data flow, in the order in which one
+//! quantity causes the next.
+
+use crate::{Pose, Time, proto};
+
+/// A stage of the controller's data flow. Ordered: an earlier node can be the cause of a later one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Node {
+    /// What the controller was given.
+    Input,
+    /// What it believes about its own motion.
+    Estimate,
+    /// How far away things are.
+    Distances,
+    /// Where it should go.
+    Reference,
+    /// What the feedback law asks for.
+    Law,
+    /// Who drives.
+    Sharing,
+    /// What it commanded.
+    Command,
+}
+
+impl Node {
+    /// The name used in reports and machine-readable output.
+    pub fn name(self) -> &'static str {
+        match self {
+            Node::Input => "input",
+            Node::Estimate => "estimate",
+            Node::Distances => "distances",
+            Node::Reference => "reference",
+            Node::Law => "law",
+            Node::Sharing => "sharing",
+            Node::Command => "command",
+        }
+    }
+}
+
+/// What is to be known about one field of a [`Step`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Field {
+    /// Name, with the unit as its suffix, as in the protobuf schema.
+    pub name: &'static str,
+    /// Stage of the data flow.
+    pub node: Node,
+    /// Unit; empty for numbers without one, names and hashes.
+    pub unit: &'static str,
+}
+
+/// The value of one field.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// A measured or computed quantity; NaN where it is unknown.
+    Number(f64),
+    /// Two of them: (v, ω) or (acceleration, angular acceleration).
+    Pair([f64; 2]),
+    /// Position and heading.
+    Pose(Pose),
+    /// A count or a side; compared exactly.
+    Integer(i64),
+    /// A hash; compared exactly.
+    Hash(u64),
+    /// Yes or no.
+    Flag(bool),
+    /// One of a list of names.
+    Name(&'static str),
+}
+
+/// A field's type: how it goes to and from protobuf, and what a reader sees of it.
+trait FieldType: Sized {
+    type Wire;
+    fn to_wire(&self) -> Self::Wire;
+    fn from_wire(wire: Self::Wire) -> Self;
+    fn value(&self) -> Value;
+}
+
+/// The number as a log holds it: one NaN, no negative zero (proto3 leaves out zeros of either sign),
+/// so that equal logs have equal bytes.
+pub(crate) fn canonical(x: f64) -> f64 {
+    // Adding zero takes −0 to +0 and leaves every other number as it is.
+    if x.is_nan() { f64::NAN } else { x + 0.0 }
+}
+
+impl FieldType for f64 {
+    type Wire = f64;
+    fn to_wire(&self) -> f64 {
+        canonical(*self)
+    }
+    fn from_wire(wire: f64) -> Self {
+        wire
+    }
+    fn value(&self) -> Value {
+        Value::Number(*self)
+    }
+}
+
+impl FieldType for [f64; 2] {
+    type Wire = Vec<f64>;
+    fn to_wire(&self) -> Vec<f64> {
+        vec![canonical(self[0]), canonical(self[1])]
+    }
+    fn from_wire(wire: Vec<f64>) -> Self {
+        [wire.first().copied().unwrap_or(f64::NAN), wire.get(1).copied().unwrap_or(f64::NAN)]
+    }
+    fn value(&self) -> Value {
+        Value::Pair(*self)
+    }
+}
+
+impl FieldType for Pose {
+    type Wire = Option<proto::Pose>;
+    fn to_wire(&self) -> Self::Wire {
+        Some((*self).into())
+    }
+    fn from_wire(wire: Self::Wire) -> Self {
+        wire.map_or(Pose { x_m: f64::NAN, y_m: f64::NAN, theta_rad: f64::NAN }, Pose::from)
+    }
+    fn value(&self) -> Value {
+        Value::Pose(*self)
+    }
+}
+
+impl FieldType for u64 {
+    type Wire = u64;
+    fn to_wire(&self) -> u64 {
+        *self
+    }
+    fn from_wire(wire: u64) -> Self {
+        wire
+    }
+    fn value(&self) -> Value {
+        Value::Hash(*self)
+    }
+}
+
+impl FieldType for i32 {
+    type Wire = i32;
+    fn to_wire(&self) -> i32 {
+        *self
+    }
+    fn from_wire(wire: i32) -> Self {
+        wire
+    }
+    fn value(&self) -> Value {
+        Value::Integer(i64::from(*self))
+    }
+}
+
+impl FieldType for bool {
+    type Wire = bool;
+    fn to_wire(&self) -> bool {
+        *self
+    }
+    fn from_wire(wire: bool) -> Self {
+        wire
+    }
+    fn value(&self) -> Value {
+        Value::Flag(*self)
+    }
+}
+
+/// A closed list of names: the domain enum, its protobuf numbers and its lower-case names.
+macro_rules! names {
+    ($(#[$doc:meta])* $type:ident { $($(#[$vdoc:meta])* $variant:ident = $name:literal),* $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+        pub enum $type {
+            /// Not set, or a name that a later version of the schema added.
+            #[default]
+            Unspecified,
+            $($(#[$vdoc])* $variant),*
+        }
+
+        impl $type {
+            /// The name in reports and machine-readable output.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $type::Unspecified => "unspecified",
+                    $($type::$variant => $name),*
+                }
+            }
+        }
+
+        impl FieldType for $type {
+            type Wire = i32;
+            fn to_wire(&self) -> i32 {
+                match self {
+                    $type::Unspecified => 0,
+                    $($type::$variant => proto::$type::$variant as i32),*
+                }
+            }
+            fn from_wire(wire: i32) -> Self {
+                match proto::$type::try_from(wire) {
+                    $(Ok(proto::$type::$variant) => $type::$variant,)*
+                    _ => $type::Unspecified,
+                }
+            }
+            fn value(&self) -> Value {
+                Value::Name(self.name())
+            }
+        }
+    };
+}
+
+names! {
+    /// Class of the state in the sets (12).
+    Region {
+        /// The person may drive.
+        Safe = "safe",
+        /// Whoever drove, drives on.
+        Hysteresis = "hysteresis",
+        /// The feedback law drives.
+        Danger = "danger",
+    }
+}
+
+names! {
+    /// Where the direction ψ of the distance frame came from.
+    FrameSource {
+        /// The robot's heading: nothing better is known yet.
+        Heading = "heading",
+        /// The velocity of the target.
+        TargetVelocity = "target_velocity",
+        /// The displacement to a predicted target.
+        Displacement = "displacement",
+        /// The normal of the nearest face.
+        Wall = "wall",
+        /// The direction of an earlier step.
+        Kept = "kept",
+    }
+}
+
+names! {
+    /// Where the target came from.
+    ReferenceSource {
+        /// The task's trajectory.
+        Task = "task",
+        /// Predicted from the joystick.
+        Joystick = "joystick",
+        /// No usable joystick: the target is where the robot is.
+        Hold = "hold",
+    }
+}
+
+names! {
+    /// Which part of the feedback law spoke.
+    LawBranch {
+        /// Left-hand side selected, d2 = d2l.
+        Left = "left",
+        /// Right-hand side selected, d2 = d2r.
+        Right = "right",
+        /// Wanted speed below `v_rest`.
+        Rest = "rest",
+        /// No feedback could be formed.
+        None = "none",
+    }
+}
+
+names! {
+    /// Why the command is what it is.
+    Reason {
+        /// The person drives.
+        Human = "human",
+        /// The state is in the dangerous set.
+        Danger = "danger",
+        /// The state is in the hysteresis set and was dangerous before.
+        Hysteresis = "hysteresis",
+        /// Contact: D ≤ 0.
+        Contact = "contact",
+        /// No state has been seen in the safe set yet.
+        NotYetSafe = "not_yet_safe",
+        /// No joystick sample for longer than its lease.
+        JoystickSilent = "joystick_silent",
+        /// The joystick's value is not a number.
+        JoystickInvalid = "joystick_invalid",
+        /// The pose is not a number.
+        PoseInvalid = "pose_invalid",
+        /// No odometry for longer than its lease.
+        OdometryStale = "odometry_stale",
+        /// No distance sensor has been heard from.
+        SensorsDead = "sensors_dead",
+        /// A distance that the law needs is unknown.
+        DistanceUnknown = "distance_unknown",
+        /// The feedback law's value is not a number.
+        FeedbackInvalid = "feedback_invalid",
+        /// The safety layer would have had to alter what the person asked for.
+        WouldBeProjected = "would_be_projected",
+        /// Standing still until every sonar has been heard.
+        Starting = "starting",
+    }
+}
+
+macro_rules! step {
+    ($($node:ident { $($(#[$doc:meta])+ $name:ident: $type:ty, $unit:literal;)* })*) => {
+        /// One step of the controller: what it was given, what it made of it, what it commanded.
+        ///
+        /// Symbols and signs are those of the controller's documentation; distances and angles
+        /// refer to the frame (e1, e2) turned by `psi_rad`. Unknown numbers are NaN.
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct Step {
+            /// The instant the step stands for.
+            pub stamp: Time,
+            /// Steps since the start of the session, from 0.
+            pub step_index: u64,
+            $($($(#[$doc])+ pub $name: $type,)*)*
+        }
+
+        impl Step {
+            /// Every field but the stamp and the index, in the order of the data flow.
+            pub const FIELDS: &'static [Field] = &[
+                $($(Field { name: stringify!($name), node: Node::$node, unit: $unit },)*)*
+            ];
+
+            /// Every field's value, in the order of [`Step::FIELDS`].
+            pub fn values(&self) -> [Value; Step::FIELDS.len()] {
+                [$($(FieldType::value(&self.$name),)*)*]
+            }
+        }
+
+        impl From<&Step> for proto::Step {
+            fn from(step: &Step) -> Self {
+                proto::Step {
+                    stamp_ns: step.stamp.0,
+                    step_index: step.step_index,
+                    $($($name: step.$name.to_wire(),)*)*
+                }
+            }
+        }
+
+        impl From<proto::Step> for Step {
+            fn from(wire: proto::Step) -> Self {
+                Step {
+                    stamp: Time(wire.stamp_ns),
+                    step_index: wire.step_index,
+                    $($($name: FieldType::from_wire(wire.$name),)*)*
+                }
+            }
+        }
+
+        impl Step {
+            /// A step in which nothing is known yet: NaN, `Unspecified`, zero.
+            pub fn unknown(stamp: Time, step_index: u64) -> Step {
+                Step { stamp, step_index, $($($name: <$type as Unknown>::UNKNOWN,)*)* }
+            }
+        }
+    };
+}
+
+/// The value that says "not known".
+trait Unknown {
+    const UNKNOWN: Self;
+}
+impl Unknown for f64 {
+    const UNKNOWN: f64 = f64::NAN;
+}
+impl Unknown for [f64; 2] {
+    const UNKNOWN: [f64; 2] = [f64::NAN; 2];
+}
+impl Unknown for Pose {
+    const UNKNOWN: Pose = Pose { x_m: f64::NAN, y_m: f64::NAN, theta_rad: f64::NAN };
+}
+impl Unknown for u64 {
+    const UNKNOWN: u64 = 0;
+}
+impl Unknown for i32 {
+    const UNKNOWN: i32 = 0;
+}
+impl Unknown for bool {
+    const UNKNOWN: bool = false;
+}
+impl Unknown for Region {
+    const UNKNOWN: Region = Region::Unspecified;
+}
+impl Unknown for FrameSource {
+    const UNKNOWN: FrameSource = FrameSource::Unspecified;
+}
+impl Unknown for ReferenceSource {
+    const UNKNOWN: ReferenceSource = ReferenceSource::Unspecified;
+}
+impl Unknown for LawBranch {
+    const UNKNOWN: LawBranch = LawBranch::Unspecified;
+}
+impl Unknown for Reason {
+    const UNKNOWN: Reason = Reason::Unspecified;
+}
+
+step! {
+    Input {
+        /// Control period Ts.
+        control_period_s: f64, "s";
+        /// Requested forward speed, as the joystick gave it.
+        v_h_mps: f64, "m/s";
+        /// Requested turn rate, as the joystick gave it.
+        omega_h_radps: f64, "rad/s";
+        /// Age of that joystick sample.
+        joystick_age_s: f64, "s";
+        /// Covers every sample observed since the previous step.
+        input_hash: u64, "";
+    }
+    Estimate {
+        /// Estimated pose in the odometry frame, which starts at the scenario's start pose.
+        pose: Pose, "m, m, rad";
+        /// Estimated forward speed.
+        v_mps: f64, "m/s";
+        /// Estimated turn rate.
+        omega_radps: f64, "rad/s";
+        /// Age of the newest odometry.
+        odometry_age_s: f64, "s";
+    }
+    Distances {
+        /// Where ψ came from.
+        frame_source: FrameSource, "";
+        /// World angle ψ of e1.
+        psi_rad: f64, "rad";
+        /// `ω_r` = dψ/dt.
+        omega_r_radps: f64, "rad/s";
+        /// Distance to the edge of the admissible set along e1, capped at B.
+        d1_m: f64, "m";
+        /// The same along +e2.
+        d2l_m: f64, "m";
+        /// The same along −e2.
+        d2r_m: f64, "m";
+        /// D: distance to the edge of the admissible set along the direction of travel.
+        distance_human_m: f64, "m";
+        /// D as compared with the critical distances: less guard and travel in one period, where on.
+        distance_effective_m: f64, "m";
+    }
+    Reference {
+        /// Where the target came from.
+        reference_source: ReferenceSource, "";
+        /// Target `p_d`, x.
+        target_x_m: f64, "m";
+        /// Target `p_d`, y.
+        target_y_m: f64, "m";
+        /// Velocity of the target, x.
+        target_vx_mps: f64, "m/s";
+        /// Velocity of the target, y.
+        target_vy_mps: f64, "m/s";
+        /// Δ1: displacement to the target along e1.
+        delta1_m: f64, "m";
+        /// Δ2: displacement to the target along e2.
+        delta2_m: f64, "m";
+        /// Velocity of the target along e1.
+        q1_mps: f64, "m/s";
+        /// Velocity of the target along e2.
+        q2_mps: f64, "m/s";
+        /// Selected side σ: +1 left, −1 right.
+        side: i32, "";
+        /// Wanted distance ahead.
+        d_d1_m: f64, "m";
+        /// Wanted distance on the selected side.
+        d_d2_m: f64, "m";
+        /// Admissible wanted distance ahead (8).
+        d_r1_m: f64, "m";
+        /// Admissible wanted distance on the selected side (8).
+        d_r2_m: f64, "m";
+        /// Its rate.
+        d_r1_rate_mps: f64, "m/s";
+        /// Its rate.
+        d_r2_rate_mps: f64, "m/s";
+        /// Its second rate.
+        d_r1_accel_mps2: f64, "m/s²";
+        /// Its second rate.
+        d_r2_accel_mps2: f64, "m/s²";
+    }
+    Law {
+        /// Which part of the law spoke.
+        law_branch: LawBranch, "";
+        /// ln(d1/`d_r1`) (7).
+        z1: f64, "";
+        /// ln(d2/`d_r2`) (7).
+        z2: f64, "";
+        /// Heading relative to e1.
+        theta_e_rad: f64, "rad";
+        /// Wanted θe.
+        theta_star_rad: f64, "rad";
+        /// Its rate.
+        theta_star_rate_radps: f64, "rad/s";
+        /// Wanted speed.
+        v_star_mps: f64, "m/s";
+        /// Wanted turn rate relative to the frame (dynamic law; the kinematic law's `ω_f` − `ω_r`).
+        omega_star_radps: f64, "rad/s";
+        /// Lyapunov function (10) or (16).
+        lyapunov: f64, "";
+        /// Feedback input: (v, ω) or (acceleration, angular acceleration).
+        u_f: [f64; 2], "m/s, rad/s";
+    }
+    Sharing {
+        /// Human input after clipping to the limits.
+        u_h: [f64; 2], "m/s, rad/s";
+        /// Class of the state in the sets (12).
+        region: Region, "";
+        /// Sharing function k (13): 1 the person drives, 0 the feedback law.
+        k: f64, "";
+        /// How near danger is, for the person: 0 far, 1 at the edge of the dangerous set.
+        danger: f64, "";
+        /// Why.
+        reason: Reason, "";
+    }
+    Command {
+        /// Input chosen by (14), before the safety layer.
+        u_s_before_projection: [f64; 2], "m/s, rad/s";
+        /// Input applied.
+        u_s: [f64; 2], "m/s, rad/s";
+        /// Whether S1 scaled the feedback input.
+        saturated: bool, "";
+        /// Whether the safety layer altered the input.
+        projected: bool, "";
+        /// Covers the controller's whole state after the step.
+        state_hash: u64, "";
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_survives_the_wire() {
+        let mut step = Step::unknown(Time(7), 3);
+        step.k = 1.0;
+        step.side = -1;
+        step.u_h = [0.25, -0.5];
+        step.region = Region::Hysteresis;
+        step.pose = Pose { x_m: 1.0, y_m: 2.0, theta_rad: 3.0 };
+        step.input_hash = u64::MAX;
+        let back = Step::from(proto::Step::from(&step));
+        // NaN differs from itself, so compare what is printed.
+        assert_eq!(format!("{step:?}"), format!("{back:?}"));
+    }
+
+    #[test]
+    fn nodes_are_listed_in_causal_order() {
+        assert!(Step::FIELDS.windows(2).all(|w| w[0].node <= w[1].node));
+    }
+}

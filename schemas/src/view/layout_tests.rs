@@ -1,0 +1,121 @@
+//! Contract of the layout: a viewer accepts its form, and everything that it names exists.
+
+use std::collections::BTreeSet;
+
+use prost::Message;
+use prost_types::FileDescriptorSet;
+use prost_types::field_descriptor_proto::Type;
+use serde_json::Value;
+
+use super::LAYOUT;
+use crate::log::{TOPICS, Topic, schema_data};
+
+fn layout() -> Value {
+    serde_json::from_str(LAYOUT).expect("JSON")
+}
+
+/// Every string under a key that holds a message path or a topic.
+fn paths(value: &Value, found: &mut Vec<String>) {
+    match value {
+        Value::Object(map) => {
+            for (key, value) in map {
+                match (key.as_str(), value) {
+                    ("value" | "topicPath" | "topicToRender", Value::String(path)) => {
+                        found.push(path.clone());
+                    }
+                    ("topics", Value::Object(topics)) => found.extend(topics.keys().cloned()),
+                    _ => paths(value, found),
+                }
+            }
+        }
+        Value::Array(items) => items.iter().for_each(|item| paths(item, found)),
+        _ => {}
+    }
+}
+
+/// The panels that the layout's tree shows.
+fn panels(tree: &Value, found: &mut BTreeSet<String>) {
+    match tree {
+        Value::String(id) => {
+            assert!(found.insert(id.clone()), "{id} stands twice in the tree");
+        }
+        Value::Object(node) => {
+            assert!(matches!(node["direction"].as_str(), Some("row" | "column")));
+            assert!(node["splitPercentage"].is_number());
+            panels(&node["first"], found);
+            panels(&node["second"], found);
+        }
+        other => panic!("neither a panel nor a split: {other}"),
+    }
+}
+
+/// Whether a path like `/step.u_h[0]` leads to a field of the topic's message.
+fn exists(path: &str) -> bool {
+    let mut parts = path.split('.');
+    let topic = parts.next().and_then(Topic::from_name);
+    let Some(topic) = topic else { return false };
+    let data = schema_data(topic);
+    let set = FileDescriptorSet::decode(data.as_slice()).expect("a descriptor set");
+    let mut message = format!(".{}", topic.info().schema);
+    for part in parts {
+        let name = part.split('[').next().unwrap_or(part);
+        let definition = set.file.iter().find_map(|file| {
+            let package = file.package();
+            file.message_type.iter().find(|m| format!(".{package}.{}", m.name()) == message)
+        });
+        let Some(field) = definition.and_then(|m| m.field.iter().find(|f| f.name() == name)) else {
+            return false;
+        };
+        if field.r#type() == Type::Message {
+            message = field.type_name().to_owned();
+        }
+    }
+    true
+}
+
+#[test]
+fn the_form_is_what_viewers_accept() {
+    let layout = layout();
+    for key in ["configById", "globalVariables", "userNodes", "layout"] {
+        assert!(layout.get(key).is_some(), "{key}");
+    }
+    assert_eq!(layout["playbackConfig"]["speed"], 1);
+    assert!(layout.get("version").is_none(), "a version that it does not know blocks a viewer");
+
+    let mut shown = BTreeSet::new();
+    panels(&layout["layout"], &mut shown);
+    let configured: BTreeSet<String> =
+        layout["configById"].as_object().expect("a map").keys().cloned().collect();
+    assert_eq!(shown, configured);
+    let kinds = ["3D", "Plot", "StateTransitions", "RawMessages", "RosOut"];
+    for kind in kinds {
+        assert!(shown.iter().any(|id| id.starts_with(&format!("{kind}!"))), "no {kind} panel");
+    }
+    for id in &shown {
+        assert!(kinds.contains(&id.split('!').next().unwrap_or("")), "{id}: an unknown kind");
+    }
+}
+
+#[test]
+fn every_path_leads_somewhere() {
+    let mut found = Vec::new();
+    paths(&layout()["configById"], &mut found);
+    assert!(found.len() > 20, "{}", found.len());
+    for path in &found {
+        assert!(exists(path), "{path} leads nowhere");
+    }
+    // The walk can tell.
+    for wrong in ["/nosuch", "/step.nosuch", "/step.pose.nosuch", "step.k"] {
+        assert!(!exists(wrong), "{wrong}");
+    }
+    assert!(exists("/step.pose.x_m") && exists("/step.u_h[0]"));
+}
+
+#[test]
+fn what_viewers_need_is_visible_in_the_scene() {
+    let topics = &layout()["configById"]["3D!scene"]["topics"];
+    for topic in [Topic::Scene, Topic::Tf] {
+        assert_eq!(topics[topic.name()]["visible"], true, "{topic:?}");
+    }
+    assert!(TOPICS.iter().filter(|info| info.view).count() >= 5);
+}
