@@ -1,0 +1,292 @@
+//! From sonar echoes to safe distances.
+//!
+//! In: sonar scans, the [`Odometry`] that says where the robot was when each sonar fired, and the
+//! pose that the next command will find the robot at. Out: how far the disc about the body may travel
+//! in any direction, for the feedback law and for the safety layer, and whether that is known at all.
+//!
+//! Once a step:
+//! 1. each echo is placed at the pose of its own firing, as an arc across its cone, and confirms,
+//!    replaces or carves what is remembered ([`points`]);
+//! 2. what has grown old is forgotten;
+//! 3. the rest is drawn nearer by its uncertainty and sorted by direction about the predicted pose: the
+//!    virtual scan ([`scan`]). Confirmed points make the scan of the law, all points that of the safety
+//!    layer: a false echo may stop the robot for 0.4 s, but never starts the feedback law;
+//! 4. rays are answered from the scans, and by [`cones`] where nothing is known.
+//!
+//! Where no cone looks (60–80° and 100–120° on either side) the nearest echo of the sonars within 30°
+//! counts (specification, section 10), beside what is remembered.
+
+mod beam;
+mod cones;
+mod gaps;
+mod points;
+mod scan;
+
+use schemas::{Pose, SONARS, SonarEcho, SonarScan, Time};
+
+use self::beam::{Beam, BodyToWorld, unit};
+use self::cones::{Cones, Reading};
+use self::gaps::Gaps;
+use self::points::{PlacedEcho, Point, Points};
+use self::scan::{Scan, ray_m, sight};
+use crate::estimation::Odometry;
+
+/// How many readings wait for the next step, at most: two full sweeps. More are placed at once.
+const PENDING: usize = 2 * SONARS.len();
+
+/// A stamp this much older than its predecessor, seconds, is a new clock, not a late reading.
+const CLOCK_SET_S: f64 = 1.0;
+
+/// Uncertainty of a range as a share of it: its standard deviation (robot's data; prototype).
+const RANGE_SHARE: f64 = 0.01;
+
+/// Metres by which odometry may have drifted per metre of the odometer since the echo, and at most
+/// (prototype, with 3 % of slip).
+const DRIFT_SHARE: f64 = 0.03;
+const DRIFT_MOST_M: f64 = 0.12;
+
+/// Up to this age, seconds, what echoed may be on its way towards the robot; what is older has been
+/// looked at again, or is remembered because it stood still (prototype).
+const MOVING_S: f64 = 0.5;
+
+/// What the map is to assume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EchoMapSettings {
+    /// Radius of the disc whose free travel is asked for, metres: the circumscribed radius of the
+    /// footprint.
+    pub inflation_m: f64,
+    /// Speed bound of moving obstacles, m/s.
+    pub v_disc_mps: f64,
+}
+
+/// A short memory of echoes and what follows from it. Allocates in [`EchoMap::new`] only.
+#[derive(Clone, Debug)]
+pub struct EchoMap {
+    settings: EchoMapSettings,
+    beams: [Beam; SONARS.len()],
+    /// Readings that wait to be placed, with the odometer at which they came in, metres.
+    pending: Vec<(SonarEcho, f64)>,
+    cones: Cones,
+    gaps: Gaps,
+    points: Points,
+    law: Scan,
+    safety: Scan,
+    /// What the gaps' points add, for the law and for the safety layer, metres, world frame.
+    law_gaps: Vec<[f64; 2]>,
+    safety_gaps: Vec<[f64; 2]>,
+    advanced_to: Option<Time>,
+}
+
+impl EchoMap {
+    /// An empty map: everything is unknown.
+    pub fn new(settings: EchoMapSettings) -> EchoMap {
+        EchoMap {
+            settings,
+            beams: Beam::all(),
+            pending: Vec::with_capacity(PENDING),
+            cones: Cones::new(),
+            gaps: Gaps::new(),
+            points: Points::new(),
+            law: Scan::new(),
+            safety: Scan::new(),
+            law_gaps: Vec::with_capacity(Gaps::MOST_POINTS),
+            safety_gaps: Vec::with_capacity(Gaps::MOST_POINTS),
+            advanced_to: None,
+        }
+    }
+
+    /// Takes a scan. Its echoes wait for [`EchoMap::advance`], when odometry has caught up with them.
+    /// Readings of unknown sonars, and readings that are late or come twice, are ignored.
+    pub fn observe(&mut self, scan: &SonarScan, odometry: &Odometry) {
+        for echo in &scan.echoes {
+            if self.pending.len() == PENDING {
+                self.place_pending(odometry);
+            }
+            if usize::from(echo.id) < SONARS.len() {
+                self.pending.push((*echo, odometry.odometer_m()));
+            }
+        }
+    }
+
+    /// Brings the map to `now`: places what was heard, ages the rest, and prepares the rays about
+    /// `about`, the pose they will be asked from. To be called once a step, before any ray.
+    pub fn advance(&mut self, now: Time, odometry: &Odometry, about: &Pose) {
+        if self.advanced_to.is_some_and(|before| before.seconds_since(now) > CLOCK_SET_S) {
+            self.forget();
+        }
+        self.advanced_to = Some(now);
+        self.place_pending(odometry);
+        self.points.age(now);
+        self.cones.age(now);
+        self.look(now, odometry.odometer_m(), about.position_m());
+    }
+
+    /// Free travel, metres, of the disc from `from` along the world angle `angle_rad`, through what at
+    /// least two firings have heard. +∞ where the direction has been looked at and nothing is met,
+    /// negative in contact, NaN where nothing is known: a sonar that looks there is silent for more
+    /// than 0.5 s, gave nonsense, or has not fired yet. The heading of `from` says which sonars look.
+    pub fn law_ray_m(&self, from: &Pose, angle_rad: f64) -> f64 {
+        if self.knows(from, angle_rad) {
+            self.ray_m(&self.law, &self.law_gaps, from, angle_rad)
+        } else {
+            f64::NAN
+        }
+    }
+
+    /// The same through everything that was heard, with the unknown as 0: blocked. Never NaN.
+    pub fn safety_ray_m(&self, from: &Pose, angle_rad: f64) -> f64 {
+        if self.knows(from, angle_rad) {
+            self.ray_m(&self.safety, &self.safety_gaps, from, angle_rad)
+        } else {
+            0.0
+        }
+    }
+
+    /// The points that the law's rays meet, metres, world frame: the nearest per direction about the
+    /// pose given to [`EchoMap::advance`], drawn nearer by their uncertainty.
+    pub fn law_points(&self) -> &[[f64; 2]] {
+        self.law.points_m()
+    }
+
+    /// The points that the safety layer's rays meet, likewise.
+    pub fn safety_points(&self) -> &[[f64; 2]] {
+        self.safety.points_m()
+    }
+
+    /// Whether every sonar has given a valid reading at least once.
+    pub fn heard_all(&self) -> bool {
+        self.cones.heard_all()
+    }
+
+    /// Whether no cone is known.
+    pub fn dead(&self) -> bool {
+        self.cones.dead()
+    }
+
+    /// Whether a direction in the body frame is being looked at: the cones that contain it, or, where
+    /// none does, those within 30°, all gave a valid reading in the last 0.5 s.
+    pub fn known(&self, body_angle_rad: f64) -> bool {
+        self.cones.known(&self.beams, body_angle_rad)
+    }
+
+    /// A sonar's last reading while it counts, metres; +∞ for silence, NaN for unknown.
+    pub fn cone_range_m(&self, id: usize) -> f64 {
+        self.cones.range_m(id)
+    }
+
+    /// World angle from `from` straight into the nearest face; `None` while no face is known.
+    pub fn face_direction_rad(&self, _from: &Pose) -> Option<f64> {
+        None
+    }
+
+    /// Gives the whole state, as bits, to a hasher.
+    pub fn fold_state(&self, fold: &mut impl FnMut(u64)) {
+        fold(self.advanced_to.map_or(u64::MAX, |now| now.0));
+        for (echo, odometer_m) in &self.pending {
+            fold(odometer_m.to_bits());
+            fold(u64::from(echo.id) << 1 | u64::from(echo.echo));
+            fold(echo.range_m.to_bits());
+            fold(echo.fired.0);
+        }
+        self.cones.fold_state(fold);
+        self.gaps.fold_state(fold);
+        self.points.fold_state(fold);
+    }
+
+    fn knows(&self, from: &Pose, angle_rad: f64) -> bool {
+        from.is_finite() && self.known(angle_rad - from.theta_rad)
+    }
+
+    fn ray_m(&self, scan: &Scan, gaps_m: &[[f64; 2]], from: &Pose, angle_rad: f64) -> f64 {
+        let along = unit(angle_rad);
+        let free_m =
+            |points_m| ray_m(points_m, from.position_m(), along, self.settings.inflation_m);
+        let remembered_m = free_m(scan.points_m());
+        if Gaps::hold(angle_rad - from.theta_rad) {
+            remembered_m.min(free_m(gaps_m))
+        } else {
+            remembered_m
+        }
+    }
+
+    fn forget(&mut self) {
+        self.cones = Cones::new();
+        self.gaps.clear();
+        self.points.clear();
+    }
+
+    fn place_pending(&mut self, odometry: &Odometry) {
+        for index in 0..self.pending.len() {
+            let (echo, odometer_m) = self.pending[index];
+            self.place(&echo, odometer_m, odometry);
+        }
+        self.pending.clear();
+    }
+
+    fn place(&mut self, echo: &SonarEcho, odometer_m: f64, odometry: &Odometry) {
+        let id = usize::from(echo.id);
+        match self.cones.fired(id) {
+            Some(before) if before.seconds_since(echo.fired) > CLOCK_SET_S => self.forget(),
+            Some(before) if before >= echo.fired => return,
+            _ => {}
+        }
+        // Without a pose an echo is nowhere; nor is its silence.
+        let Some(pose) = odometry.pose_at(echo.fired) else {
+            self.cones.hear(id, echo.fired, Reading::Unknown);
+            return;
+        };
+        let reading = Reading::of(echo);
+        self.cones.hear(id, echo.fired, reading);
+        let Reading::Echo(range_m) = reading else { return };
+
+        let to_world = BodyToWorld::new(&pose);
+        let beam = &self.beams[id];
+        let from_m = to_world.point_m(beam.mount_m);
+        let arc = beam.arc.map(|direction| to_world.vector(direction));
+        let placed = PlacedEcho {
+            from_m,
+            axis: arc[arc.len() / 2],
+            arc_m: arc.map(|[x, y]| [from_m[0] + range_m * x, from_m[1] + range_m * y]),
+            range_m,
+            fired: echo.fired,
+            odometer_m,
+        };
+        let confirmed = self.points.hear(&placed);
+        self.gaps.hear(id, &self.beams, &to_world, &placed, confirmed);
+    }
+
+    /// Builds both scans about a place.
+    fn look(&mut self, now: Time, odometer_m: f64, about_m: [f64; 2]) {
+        self.law.clear();
+        self.safety.clear();
+        for point in self.points.iter() {
+            let by_m = self.uncertainty_m(point, now, odometer_m);
+            let Some(sighting) = sight(about_m, point.at_m, by_m) else { continue };
+            self.safety.see(&sighting);
+            if point.confirmed {
+                self.law.see(&sighting);
+            }
+        }
+        self.law_gaps.clear();
+        self.safety_gaps.clear();
+        for point in self.gaps.points(now) {
+            let by_m = self.uncertainty_m(point, now, odometer_m);
+            let Some(sighting) = sight(about_m, point.at_m, by_m) else { continue };
+            self.safety_gaps.push(sighting.at_m);
+            if point.confirmed {
+                self.law_gaps.push(sighting.at_m);
+            }
+        }
+    }
+
+    /// How much nearer than remembered a point may be, metres.
+    fn uncertainty_m(&self, point: &Point, now: Time, odometer_m: f64) -> f64 {
+        let age_s = now.seconds_since(point.fired).max(0.0);
+        let moved_m = if age_s < MOVING_S { self.settings.v_disc_mps * age_s } else { 0.0 };
+        let drift_m = (DRIFT_SHARE * (odometer_m - point.odometer_m)).min(DRIFT_MOST_M);
+        RANGE_SHARE * point.range_m + drift_m + moved_m
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,183 @@
+//! What one or two sweeps say.
+
+use super::*;
+
+/// A wall at x = 2: ids 3 and 4 hear 1.755 m. The nearest point of their arcs to the heading is the one
+/// along it, at (2, ±0.027); it is drawn nearer by 1 % of the range.
+#[test]
+fn a_wall_ahead_is_where_it_is() {
+    let mut rig = Rig::new();
+    rig.sweep_twice(&[(3, 1.755), (4, 1.755)]);
+    let wanted_m = to_point_m([2.0, 0.027], 0.01755);
+    assert!((rig.law(0.0) - wanted_m).abs() < 1e-9, "{} {wanted_m}", rig.law(0.0));
+    assert!((rig.safety(0.0) - wanted_m).abs() < 1e-9);
+    // 2 − 0.354 by the exact disc; the map is on the near side of it.
+    assert!(wanted_m < 2.0 - RADIUS_M && wanted_m > 2.0 - RADIUS_M - 0.02);
+}
+
+/// A wall at x = −2, for the rear array (ids 11 and 12 at (−0.241, ∓0.027)), and one at y = 1.5 for
+/// the left side (ids 0 and 15 at (±0.147, 0.136), bearing 90°).
+#[test]
+fn every_side_has_its_sonars() {
+    let mut rig = Rig::new();
+    rig.sweep_twice(&[(11, 1.759), (12, 1.759), (0, 1.364), (15, 1.364)]);
+    assert!((rig.law(180.0) - to_point_m([2.0, 0.027], 0.01759)).abs() < 1e-9);
+    // Of the side arcs' points those 5° and 10° inwards of their axes are met first.
+    let mut wanted_m = f64::INFINITY;
+    for (mount_x_m, inwards_deg) in [(0.147, 5.0_f64), (0.144, 5.0), (0.147, 10.0), (0.144, 10.0)] {
+        let (sin, cos) = libm::sincos(inwards_deg.to_radians());
+        let point_m = [0.136 + 1.364 * cos, mount_x_m - 1.364 * sin];
+        wanted_m = wanted_m.min(to_point_m(point_m, 0.01364));
+    }
+    assert!((rig.law(90.0) - wanted_m).abs() < 1e-9, "{} {wanted_m}", rig.law(90.0));
+    // The wall's exact distance, and how far the map may stay below: 1 % of the range and what the arcs
+    // bend towards the robot.
+    assert!(wanted_m < 1.5 - RADIUS_M && wanted_m > 1.5 - RADIUS_M - 0.03);
+    assert_eq!(rig.law(0.0), f64::INFINITY);
+}
+
+/// Nothing has fired, then half of the sonars, then all. Ids 0–7 and 8–15 fire in pairs.
+#[test]
+fn what_has_not_been_looked_at_is_unknown() {
+    let mut rig = Rig::new();
+    assert!(rig.law(0.0).is_nan());
+    assert_eq!(rig.safety(0.0), 0.0);
+    assert!(rig.map.dead() && !rig.map.heard_all());
+    for id in 0..8 {
+        assert!(!rig.map.heard_all());
+        rig.say(id, 5.0, false);
+        rig.say(8 + id, 5.0, false);
+        rig.wait(40);
+        rig.advance();
+        assert!(!rig.map.dead());
+        // Ahead is known once ids 3 and 4 have both fired: 0° is where their cones meet.
+        assert_eq!(rig.law(0.0).is_nan(), id < 4, "{id}");
+    }
+    assert!(rig.map.heard_all());
+    for deg in (0..360).step_by(5) {
+        assert_eq!(rig.law(f64::from(deg)), f64::INFINITY);
+        assert_eq!(rig.safety(f64::from(deg)), f64::INFINITY);
+    }
+}
+
+/// NaN, zero, negative and impossible ranges blind their cone until its next valid reading; what is
+/// remembered does not make it known.
+#[test]
+fn a_bad_reading_blinds_its_cone() {
+    for bad in [f64::NAN, 0.0, -0.3, f64::INFINITY, 9.0] {
+        let mut rig = Rig::new();
+        rig.sweep_twice(&[(3, 1.755), (4, 1.755)]);
+        rig.wait(20);
+        rig.say(3, bad, true);
+        assert!(rig.law(10.0).is_nan(), "{bad}");
+        assert_eq!(rig.safety(10.0), 0.0, "{bad}");
+        assert!(rig.map.cone_range_m(3).is_nan());
+        assert!(rig.law(-10.0).is_finite(), "{bad}");
+        rig.wait(20);
+        rig.say(3, 1.755, true);
+        assert!(rig.law(10.0).is_finite(), "{bad}");
+        assert_eq!(rig.map.cone_range_m(3), 1.755);
+    }
+}
+
+/// "5.0 m, no echo" is free; the same range as an echo is something 5 m away.
+#[test]
+fn silence_is_free_only_if_the_device_says_so() {
+    let mut rig = Rig::new();
+    rig.sweep_twice(&[]);
+    assert_eq!(rig.law(10.0), f64::INFINITY);
+    assert_eq!(rig.map.cone_range_m(3), f64::INFINITY);
+    rig.sweep_twice(&[(3, 5.0)]);
+    rig.wait(20);
+    rig.sweep_twice(&[(3, 5.0)]);
+    assert!(rig.law(10.0) < 5.0);
+}
+
+/// Below 0.12 m the sonar's face itself is where the obstacle is, which is inside the body's disc. One
+/// reading stops the safety layer, the second reaches the law.
+#[test]
+fn too_near_to_tell_is_contact() {
+    let mut rig = Rig::new();
+    rig.sweep(&[(3, 0.11)]);
+    assert!(rig.safety(0.0) < 0.0);
+    assert_eq!(rig.law(0.0), f64::INFINITY);
+    rig.wait(320);
+    rig.sweep(&[(3, 0.10)]);
+    assert!(rig.law(0.0) < 0.0);
+    // Backwards nothing is in the way that was not there before: the point is behind the motion.
+    assert!(rig.law(180.0) > 0.0 || rig.law(180.0) < 0.0, "a number either way");
+}
+
+/// At 70° no sonar looks. The one at 50° (id 1, mount (0.193, 0.119)) hears 1.5 m, so the gap holds
+/// a point in that direction, 1.5 m beyond the mount's reach along it: 0.193 cos 70° + 0.119 sin 70° +
+/// 1.5. The point itself lies on the ray, so the disc meets it 0.354 m and 1 % of 1.5 m before.
+#[test]
+fn the_gaps_go_by_their_neighbours() {
+    for (id, deg) in [(1, 70.0_f64), (6, -70.0), (14, 110.0), (9, -110.0)] {
+        let mut rig = Rig::new();
+        rig.sweep_twice(&[(id, 1.5)]);
+        let (sin, cos) = libm::sincos(70_f64.to_radians());
+        let mount_m = if deg.abs() < 90.0 { [0.193, 0.119] } else { [0.189, 0.119] };
+        let wanted_m = mount_m[0] * cos + mount_m[1] * sin + 1.5 - RADIUS_M - 0.015;
+        assert!((rig.law(deg) - wanted_m).abs() < 0.005, "{} {wanted_m}", rig.law(deg));
+        assert!(rig.law(deg) <= wanted_m + 1e-9, "the arc beside it may be met a little earlier");
+        // On the other side nothing was heard.
+        assert_eq!(rig.law(-deg), f64::INFINITY);
+    }
+}
+
+/// A gap that only an unconfirmed echo fills is open for the law and filled for the safety layer; after
+/// 0.5 s it is open again.
+#[test]
+fn a_gap_needs_a_confirmed_echo_for_the_law() {
+    let mut rig = Rig::new();
+    rig.sweep(&[(1, 1.5)]);
+    assert_eq!(rig.law(70.0), f64::INFINITY);
+    assert!(rig.safety(70.0) < 1.5);
+    rig.wait(320);
+    rig.sweep(&[]);
+    rig.wait(200);
+    assert_eq!(rig.safety(70.0), f64::INFINITY);
+}
+
+/// Ids 3 and 4 fire 40 ms apart, which is too near to be told from cross-talk; their next firing
+/// 0.32 s later confirms them.
+#[test]
+fn confirmation_takes_another_firing() {
+    let mut rig = Rig::new();
+    rig.sweep(&[]);
+    rig.wait(40);
+    rig.say(3, 1.755, true);
+    rig.wait(40);
+    rig.say(4, 1.755, true);
+    assert_eq!(rig.law(0.0), f64::INFINITY);
+    assert!(rig.safety(0.0) < 1.65);
+    rig.wait(20);
+    // 60 ms after id 3, 20 ms after id 4.
+    rig.say(4, 1.755, true);
+    assert!(rig.law(0.0) < 1.65);
+}
+
+/// Ranges that differ by more than 0.10 m + 3 % do not confirm each other: 1.755 allows 0.153.
+#[test]
+fn confirmation_takes_a_like_range() {
+    for (second_m, like) in [(1.9, true), (1.92, false), (1.61, true), (1.59, false)] {
+        let mut rig = Rig::new();
+        rig.sweep(&[(3, second_m)]);
+        rig.wait(320);
+        rig.sweep(&[(3, 1.755)]);
+        assert_eq!(rig.law(0.0).is_finite(), like, "{second_m}");
+    }
+}
+
+/// Obstacles may come nearer by 0.3 m/s times the age until they are looked at again: 0.3 m/s · 0.4 s = 0.12 m.
+#[test]
+fn young_echoes_may_be_moving() {
+    let mut rig = Rig::with(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.3 });
+    rig.sweep_twice(&[(3, 1.755), (4, 1.755)]);
+    let fresh_m = rig.law(0.0);
+    rig.wait(400);
+    let wanted_m = to_point_m([2.0, 0.027], 0.01755 + 0.12);
+    assert!((rig.law(0.0) - wanted_m).abs() < 1e-9);
+    assert!((fresh_m - to_point_m([2.0, 0.027], 0.01755)).abs() < 1e-9);
+}

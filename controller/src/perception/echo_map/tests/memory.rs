@@ -1,0 +1,213 @@
+//! What becomes of it while the robot moves and time goes by.
+
+use super::*;
+
+/// The wall at x = 2 is heard; then the robot turns left by 90° in 0.4 s and no sonar hears it any
+/// more. It is still 2 m away along world angle 0, less the drift of the turn: 0.03 · 0.2 · π/2 m.
+#[test]
+fn an_echo_stays_where_it_was_when_the_robot_turns() {
+    let mut rig = Rig::new();
+    rig.sweep_twice(&[(3, 1.755), (4, 1.755)]);
+    rig.go(400, 0.0, 90_f64.to_radians());
+    rig.sweep(&[]);
+    let drift_m = 0.03 * 0.2 * 90_f64.to_radians();
+    let wanted_m = to_point_m([2.0, 0.027], 0.01755 + drift_m);
+    assert!((rig.law(0.0) - wanted_m).abs() < 1e-9, "{} {wanted_m}", rig.law(0.0));
+    assert_eq!(rig.law(90.0), f64::INFINITY);
+    assert!(rig.safety(0.0) == rig.law(0.0));
+}
+
+/// After 0.5 m of driving towards it the wall is 0.5 m nearer, and 0.015 m more for the drift.
+#[test]
+fn an_echo_stays_where_it_was_when_the_robot_drives() {
+    let mut rig = Rig::new();
+    rig.sweep_twice(&[(3, 1.755), (4, 1.755)]);
+    rig.go(1_000, 0.5, 0.0);
+    rig.sweep(&[]);
+    let wanted_m = to_point_m([1.5, 0.027], 0.01755 + 0.015);
+    assert!((rig.law(0.0) - wanted_m).abs() < 1e-9, "{} {wanted_m}", rig.law(0.0));
+}
+
+/// Drift is reckoned to be no more than 0.12 m: 4 m of driving, in 4.8 s.
+#[test]
+fn drift_has_a_limit() {
+    let mut rig = Rig::new();
+    rig.sweep_twice(&[(11, 1.759)]);
+    rig.go(4_800, 4.8, 0.0);
+    rig.sweep(&[]);
+    let backwards = rig.law(180.0);
+    let wanted_m = to_point_m([2.0 + 4.8, 0.027], 0.01759 + 0.12);
+    assert!((backwards - wanted_m).abs() < 1e-9, "{backwards} {wanted_m}");
+}
+
+/// A reading is placed where the robot was when the sonar fired, not where it is when the reading
+/// comes in: driving at 1 m/s, 0.1 s later.
+#[test]
+fn an_echo_is_placed_at_its_own_firing() {
+    let mut rig = Rig::new();
+    rig.sweep(&[]);
+    rig.go(320, 0.32, 0.0);
+    let fired = at(rig.t_ms);
+    rig.go(100, 0.1, 0.0);
+    let echo = SonarEcho { id: 3, range_m: 1.755, echo: true, fired };
+    let scan = SonarScan { stamp: at(rig.t_ms), echoes: vec![echo] };
+    rig.map.observe(&scan, &rig.odometry);
+    let wanted_m = to_point_m([1.9, 0.027], 0.01755);
+    assert!((rig.safety(0.0) - wanted_m).abs() < 1e-9, "{} {wanted_m}", rig.safety(0.0));
+}
+
+/// The reading of an instant may come before the odometry of that instant. Placed at once it would be
+/// extrapolated from the speed of before; it waits for the step.
+#[test]
+fn an_echo_waits_for_its_odometry() {
+    let mut rig = Rig::new();
+    rig.sweep(&[]);
+    rig.wait(300);
+    // The robot sets off at 1 m/s; the sonar that fires 20 ms later is heard before the encoders.
+    let echo = SonarEcho { id: 3, range_m: 1.755, echo: true, fired: at(320) };
+    rig.map.observe(&SonarScan { stamp: at(320), echoes: vec![echo] }, &rig.odometry);
+    rig.go(20, 0.02, 0.0);
+    let wanted_m = to_point_m([2.0, 0.027], 0.01755 + 0.03 * 0.02);
+    assert!((rig.safety(0.0) - wanted_m).abs() < 1e-9, "{} {wanted_m}", rig.safety(0.0));
+}
+
+/// Confirmed points last 5 s, unconfirmed ones 0.4 s.
+#[test]
+fn echoes_are_forgotten() {
+    let mut rig = Rig::new();
+    rig.sweep(&[(3, 1.755)]);
+    rig.wait(400);
+    rig.sweep(&[]);
+    assert!(rig.safety(0.0).is_finite());
+    rig.wait(20);
+    assert_eq!(rig.safety(0.0), f64::INFINITY);
+
+    let mut rig = Rig::new();
+    rig.sweep_twice(&[(3, 1.755)]);
+    rig.wait(5_000);
+    rig.sweep(&[]);
+    assert!(rig.law(0.0).is_finite());
+    rig.wait(20);
+    assert_eq!(rig.law(0.0), f64::INFINITY);
+}
+
+/// Something at 1 m is confirmed, then is gone: the same sonars, ids 3 and 4, hear the wall at 2 m
+/// behind. Their first echo is not confirmed and looks through nothing, the second does but is not
+/// believed, the third is: of five points each the middle three go, which are within 8° of the axes. The
+/// robot turns left by 10°; now id 4 looks along 0° and id 3 along 20° and take the points there, which
+/// leaves the one at −20°.
+#[test]
+fn what_is_looked_through_twice_is_gone() {
+    let near = [(3, 0.755), (4, 0.755)];
+    let far = [(3, 1.755), (4, 1.755)];
+    let mut rig = Rig::new();
+    rig.sweep_twice(&near);
+    let count = |rig: &Rig| rig.map.points.iter().filter(|point| point.range_m < 1.0).count();
+    assert!((rig.law(0.0) - to_point_m([1.0, 0.027], 0.00755)).abs() < 1e-9);
+    for left in [10, 10, 4] {
+        rig.wait(320);
+        rig.sweep(&far);
+        assert_eq!(count(&rig), left);
+    }
+    rig.go(320, 0.0, 10_f64.to_radians());
+    rig.sweep(&far);
+    rig.wait(320);
+    rig.sweep(&far);
+    assert_eq!(count(&rig), 1);
+    assert!(rig.law(10.0) > 1.6, "{}", rig.law(10.0));
+}
+
+/// Sound that comes back by a detour is heard from farther away each time: nothing confirms it, and it
+/// looks through nothing.
+#[test]
+fn an_unconfirmed_echo_looks_through_nothing() {
+    let mut rig = Rig::new();
+    rig.sweep_twice(&[(3, 0.755)]);
+    let heard_m = rig.law(10.0);
+    for far_m in [1.5, 2.0, 2.5, 3.0, 3.5, 4.0] {
+        rig.wait(320);
+        rig.sweep(&[(3, far_m)]);
+        assert!((rig.law(10.0) - heard_m).abs() < 1e-12);
+    }
+}
+
+/// Silence carves nothing: a wall at a slant is silent too.
+#[test]
+fn silence_takes_nothing_away() {
+    let mut rig = Rig::new();
+    rig.sweep_twice(&[(3, 0.755)]);
+    let heard_m = rig.law(10.0);
+    for _ in 0..5 {
+        rig.wait(320);
+        rig.sweep(&[]);
+    }
+    assert!((rig.law(10.0) - heard_m).abs() < 1e-12);
+}
+
+/// An echo that is repeated a hundred times at rest stays five points per sonar.
+#[test]
+fn repeats_take_no_room() {
+    let mut rig = Rig::new();
+    let echoes: Vec<(u8, f64)> = (0..16).map(|id| (id, 1.5)).collect();
+    for _ in 0..100 {
+        rig.sweep(&echoes);
+        rig.wait(320);
+        rig.advance();
+    }
+    assert!(rig.map.points.iter().count() <= 16 * 5);
+}
+
+/// A reading that comes twice, or late, changes nothing; nor does one of a sonar that does not exist.
+#[test]
+fn late_readings_are_ignored() {
+    let mut rig = Rig::new();
+    rig.sweep_twice(&[(3, 1.755)]);
+    rig.advance();
+    let before = state(&rig.map);
+    for (id, fired) in [(3, at(320)), (3, at(300)), (16, at(320)), (255, at(320))] {
+        let echo = SonarEcho { id, range_m: 0.5, echo: true, fired };
+        rig.map.observe(&SonarScan { stamp: at(320), echoes: vec![echo] }, &rig.odometry);
+    }
+    rig.advance();
+    assert_eq!(state(&rig.map), before);
+}
+
+/// A clock that is set back makes every age meaningless: the map starts again.
+#[test]
+fn a_clock_set_back_forgets_the_map() {
+    let mut rig = Rig::new();
+    rig.sweep_twice(&[(3, 1.755)]);
+    rig.advance();
+    let about = rig.pose();
+    rig.map.advance(Time(at(0).0 - 3_600_000_000_000), &rig.odometry, &about);
+    assert!(rig.map.dead() && rig.map.law_points().is_empty());
+}
+
+/// An echo whose pose is not known is nowhere: its cone is unknown.
+#[test]
+fn without_odometry_nothing_is_known() {
+    let mut map = EchoMap::new(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.3 });
+    let odometry = Odometry::new(Pose::default(), 0.5);
+    let echoes = (0..16).map(|id| SonarEcho { id, range_m: 5.0, echo: false, fired: at(0) });
+    map.observe(&SonarScan { stamp: at(0), echoes: echoes.collect() }, &odometry);
+    map.advance(at(0), &odometry, &Pose::default());
+    assert!(map.dead() && !map.heard_all());
+}
+
+/// A pose that is no number gives no distance.
+#[test]
+fn from_nowhere_nothing_is_known() {
+    let mut rig = Rig::new();
+    rig.sweep_twice(&[(3, 1.755)]);
+    let nowhere = Pose { x_m: f64::NAN, ..Pose::default() };
+    rig.map.advance(at(rig.t_ms), &rig.odometry, &nowhere);
+    assert!(rig.map.law_ray_m(&nowhere, 0.0).is_nan());
+    assert_eq!(rig.map.safety_ray_m(&nowhere, 0.0), 0.0);
+    assert_eq!(rig.map.safety_ray_m(&Pose::default(), f64::NAN), 0.0);
+}
+
+pub(super) fn state(map: &EchoMap) -> Vec<u64> {
+    let mut words = Vec::new();
+    map.fold_state(&mut |word| words.push(word));
+    words
+}

@@ -1,0 +1,148 @@
+//! What the controller knows about its own motion and about what is around it, from either sensor
+//! suite.
+//!
+//! In: samples. Out: an estimate of pose and speeds, and rays. With exact rays the estimate is the
+//! exact pose and rays go into the attached world; with sonars odometry and the map of echoes take
+//! their place.
+
+use schemas::{ExactPose, Pose, Sample, Scenario, SensorSuite, Time, World};
+
+use crate::digest::Digest;
+use crate::estimation::{Estimate, Odometry};
+use crate::params::Params;
+use crate::perception::echo_map::{EchoMap, EchoMapSettings};
+
+/// One sensor suite's view.
+#[derive(Clone, Debug)]
+pub(super) enum Senses {
+    Exact(Box<Exact>),
+    Sonar(Box<Sonar>),
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Exact {
+    world: World,
+    inflation_m: f64,
+    latest: Option<ExactPose>,
+    /// Seconds since the start of the session, as of the step in hand.
+    t_s: f64,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Sonar {
+    odometry: Odometry,
+    map: EchoMap,
+}
+
+impl Senses {
+    pub(super) fn new(scenario: &Scenario, suite: SensorSuite, params: &Params) -> Senses {
+        let inflation_m = scenario.robot.footprint.circumscribed_radius_m();
+        match suite {
+            SensorSuite::Exact => Senses::Exact(Box::new(Exact {
+                world: scenario.world.clone(),
+                inflation_m,
+                latest: None,
+                t_s: 0.0,
+            })),
+            SensorSuite::Sonar => Senses::Sonar(Box::new(Sonar {
+                odometry: Odometry::new(scenario.start.pose, scenario.robot.track_m),
+                map: EchoMap::new(EchoMapSettings { inflation_m, v_disc_mps: params.v_disc_mps }),
+            })),
+        }
+    }
+
+    pub(super) fn observe(&mut self, sample: &Sample) {
+        match (self, sample) {
+            (Senses::Exact(exact), Sample::Exact(pose)) => exact.latest = Some(*pose),
+            (Senses::Sonar(sonar), Sample::Sonar(scan)) => sonar.map.observe(scan, &sonar.odometry),
+            (Senses::Sonar(sonar), Sample::Imu(imu)) => sonar.odometry.imu(imu),
+            (Senses::Sonar(sonar), Sample::Encoders(encoders)) => sonar.odometry.encoders(encoders),
+            // The joystick is no sense; and neither suite looks at what belongs to the other.
+            _ => {}
+        }
+    }
+
+    pub(super) fn estimate(&self) -> Estimate {
+        match self {
+            Senses::Exact(exact) => {
+                let unknown = Pose { x_m: f64::NAN, y_m: f64::NAN, theta_rad: f64::NAN };
+                exact.latest.map_or(
+                    Estimate { pose: unknown, v_mps: 0.0, omega_radps: 0.0, stamp: None },
+                    |exact| Estimate {
+                        pose: exact.pose,
+                        v_mps: exact.v_mps,
+                        omega_radps: exact.omega_radps,
+                        stamp: Some(exact.stamp),
+                    },
+                )
+            }
+            Senses::Sonar(sonar) => sonar.odometry.estimate(),
+        }
+    }
+
+    /// Gets ready for rays from `about`, once in each step.
+    pub(super) fn advance(&mut self, now: Time, t_s: f64, about: &Pose) {
+        match self {
+            Senses::Exact(exact) => exact.t_s = t_s,
+            Senses::Sonar(sonar) => sonar.map.advance(now, &sonar.odometry, about),
+        }
+    }
+
+    /// Free travel of the body's circle along a world angle, for the law, metres; NaN if unknown.
+    pub(super) fn law_ray_m(&self, from: &Pose, angle_rad: f64) -> f64 {
+        match self {
+            Senses::Exact(exact) => exact.ray_m(from, angle_rad),
+            Senses::Sonar(sonar) => sonar.map.law_ray_m(from, angle_rad),
+        }
+    }
+
+    /// The same for the safety layer, which trusts less.
+    pub(super) fn safety_ray_m(&self, from: &Pose, angle_rad: f64) -> f64 {
+        match self {
+            Senses::Exact(exact) => exact.ray_m(from, angle_rad),
+            Senses::Sonar(sonar) => sonar.map.safety_ray_m(from, angle_rad),
+        }
+    }
+
+    /// World angle from the robot straight into the nearest face, where known.
+    pub(super) fn face_direction_rad(&self, from: &Pose) -> Option<f64> {
+        match self {
+            Senses::Exact(exact) => exact
+                .world
+                .nearest_face(from.position_m(), exact.t_s)
+                .map(|face| face.direction_rad)
+                .filter(|angle_rad| angle_rad.is_finite()),
+            Senses::Sonar(sonar) => sonar.map.face_direction_rad(from),
+        }
+    }
+
+    /// Whether no distance sensor can be believed.
+    pub(super) fn dead(&self) -> bool {
+        match self {
+            Senses::Exact(_) => false,
+            Senses::Sonar(sonar) => sonar.map.dead(),
+        }
+    }
+
+    pub(super) fn fold(&self, digest: &mut Digest, start: Time) {
+        match self {
+            Senses::Exact(exact) => {
+                if let Some(latest) = &exact.latest {
+                    digest.time(latest.stamp, start);
+                    digest.pose(&latest.pose);
+                    digest.numbers(&[latest.v_mps, latest.omega_radps]);
+                }
+            }
+            Senses::Sonar(sonar) => {
+                sonar.odometry.fold_state(&mut |word| digest.word(word));
+                sonar.map.fold_state(&mut |word| digest.word(word));
+            }
+        }
+    }
+}
+
+impl Exact {
+    fn ray_m(&self, from: &Pose, angle_rad: f64) -> f64 {
+        self.world.ray_m(from.position_m(), angle_rad, self.inflation_m, self.t_s)
+    }
+}
