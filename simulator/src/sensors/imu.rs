@@ -1,0 +1,123 @@
+//! The IMU: gyro, accelerometer and magnetometer of a robot on a level floor.
+
+use schemas::{ImuNoise, ImuSample, Time};
+
+use crate::noise::{Purpose, Stream};
+use crate::plant::Plant;
+
+/// Standard gravity, as the accelerometer of a robot at rest shows it, m/s².
+pub const GRAVITY_MPS2: f64 = 9.81;
+
+/// The earth's magnetic field in the world frame (x towards magnetic north, z up), microtesla: the
+/// horizontal and vertical strength in London, where the paper's robot drove, rounded.
+pub const EARTH_FIELD_UT: [f64; 3] = [19.5, 0.0, -45.0];
+
+/// The IMU and what it remembers between samples.
+pub(crate) struct Imu {
+    noise: Option<ImuNoise>,
+    stream: Stream,
+    /// Forward speed at the previous sample and when that was, m/s and s.
+    before: Option<(f64, f64)>,
+}
+
+impl Imu {
+    pub(crate) fn new(noise: Option<ImuNoise>, seed: u64) -> Imu {
+        Imu { noise, stream: Stream::new(seed, Purpose::Imu), before: None }
+    }
+
+    /// Sample number `index`, `t_s` after the start. The forward acceleration is the mean since the
+    /// previous sample: what an accelerometer feels of a speed that jumps.
+    pub(crate) fn sample(&mut self, index: u64, stamp: Time, t_s: f64, plant: &Plant) -> ImuSample {
+        let twist = plant.twist();
+        let forward_mps2 = match self.before {
+            Some((v_mps, before_s)) if t_s > before_s => (twist.v_mps - v_mps) / (t_s - before_s),
+            _ => 0.0,
+        };
+        self.before = Some((twist.v_mps, t_s));
+        let (sin, cos) = libm::sincos(plant.pose().theta_rad);
+        let [north, west, up] = EARTH_FIELD_UT;
+        let mut sample = ImuSample {
+            stamp,
+            accel_mps2: [forward_mps2, twist.v_mps * twist.omega_radps, GRAVITY_MPS2],
+            gyro_radps: [0.0, 0.0, twist.omega_radps],
+            mag_ut: [north * cos + west * sin, west * cos - north * sin, up],
+        };
+        if let Some(noise) = &self.noise {
+            let reading = self.stream.reading(index);
+            let mut normals = [0.0; 10];
+            for (pair, slots) in normals.chunks_exact_mut(2).enumerate() {
+                slots.copy_from_slice(&reading.normals(2 * pair as u64));
+            }
+            for axis in 0..3 {
+                sample.gyro_radps[axis] += noise.gyro_sigma_radps * normals[axis];
+                sample.accel_mps2[axis] += noise.accel_sigma_mps2 * normals[3 + axis];
+                sample.mag_ut[axis] += noise.mag_sigma_ut * normals[6 + axis];
+            }
+            sample.gyro_radps[2] += noise.gyro_bias_radps;
+        }
+        sample
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use schemas::{Command, Plant as Limits, Pose, SIMULATION_EPOCH, Start, Twist};
+
+    fn turning() -> Plant {
+        let start = Start {
+            pose: Pose { x_m: 0.0, y_m: 0.0, theta_rad: 0.5 },
+            v_mps: 0.4,
+            omega_radps: 0.5,
+        };
+        Plant::new(Limits::default(), &start)
+    }
+
+    /// A steady turn to the left: centripetal force to the left, v ω; gravity; the field turned by
+    /// minus the heading, from which the heading comes back.
+    #[test]
+    fn perfect_sample_of_a_steady_turn() {
+        let mut imu = Imu::new(None, 0);
+        let sample = imu.sample(0, SIMULATION_EPOCH, 0.0, &turning());
+        assert_eq!(sample.gyro_radps, [0.0, 0.0, 0.5]);
+        assert_eq!(sample.accel_mps2, [0.0, 0.2, 9.81]);
+        let heading_rad = libm::atan2(-sample.mag_ut[1], sample.mag_ut[0]);
+        assert!((heading_rad - 0.5).abs() < 1e-12);
+        assert_eq!(sample.mag_ut[2], -45.0);
+    }
+
+    /// The mean acceleration over a sample, for a plant that ramps at 2 m/s².
+    #[test]
+    fn feels_the_forward_acceleration() {
+        let limits = Limits { limits_acceleration: true, ..Limits::default() };
+        let mut plant = Plant::new(limits, &Start::default());
+        let mut imu = Imu::new(None, 0);
+        imu.sample(0, SIMULATION_EPOCH, 0.0, &plant);
+        plant.command(&Command {
+            twist: Twist { v_mps: 0.5, omega_radps: 0.0 },
+            ..Command::default()
+        });
+        plant.advance_to(10_000_000);
+        let sample = imu.sample(1, SIMULATION_EPOCH, 0.01, &plant);
+        assert!((sample.accel_mps2[0] - 2.0).abs() < 1e-9);
+    }
+
+    /// Bias and deviations as configured, within five standard errors over 10,000 samples.
+    #[test]
+    fn noise_has_the_size_asked_for() {
+        let noise = ImuNoise::default();
+        let mut imu = Imu::new(Some(noise), 11);
+        let plant = turning();
+        let n = 10_000;
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for i in 0..n {
+            let error = imu.sample(i, SIMULATION_EPOCH, i as f64, &plant).gyro_radps[2] - 0.5;
+            sum += error;
+            squares += (error - noise.gyro_bias_radps) * (error - noise.gyro_bias_radps);
+        }
+        let n = n as f64;
+        let sigma = noise.gyro_sigma_radps;
+        assert!((sum / n - noise.gyro_bias_radps).abs() < 5.0 * sigma / libm::sqrt(n));
+        assert!((libm::sqrt(squares / n) / sigma - 1.0).abs() < 5.0 / libm::sqrt(2.0 * n));
+    }
+}
