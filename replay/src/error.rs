@@ -1,0 +1,37 @@
+//! Why a replay could not be done.
+
+use schemas::log::LogError;
+
+/// Why a replay could not be done.
+#[derive(Debug, thiserror::Error)]
+pub enum ReplayError {
+    /// The log cannot be read.
+    #[error(transparent)]
+    Log(#[from] LogError),
+    /// The controller's parameters do not fit.
+    #[error(transparent)]
+    Spec(#[from] controller::SpecError),
+    /// The simulation cannot be built from the log's scenario.
+    #[error(transparent)]
+    Simulation(#[from] simulator::SimulatorError),
+    /// Open loop steps at the recorded times, so the period must be the recorded one.
+    #[error(
+        "controller steps every {wanted_s} s, but the log was recorded with steps every \
+         {recorded_s} s; set control_period_s={recorded_s} or replay with --mode closed"
+    )]
+    ControlPeriod {
+        /// The log's control period, seconds.
+        recorded_s: f64,
+        /// The controller's, seconds.
+        wanted_s: f64,
+    },
+    /// The log's metadata names a sensor suite that cannot be simulated.
+    #[error("sensors \"{0}\" cannot be simulated; replay this log with --mode open")]
+    Sensors(String),
+    /// Nothing was replayed.
+    #[error("no controller step in the log: nothing to replay (record with a controller first)")]
+    NoStep,
+    /// There is nobody to bring back.
+    #[error("no /joystick message in the log: no recorded person to replay; use --mode open")]
+    NoJoystick,
+}

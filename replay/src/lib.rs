@@ -1,0 +1,98 @@
+//! Recorded logs through a controller again.
+//!
+//! - [`Mode::Open`]: recorded sensors and joystick in, at the recorded step times; only the
+//!   controller's outputs are new. It answers what a controller would have *said*.
+//! - [`Mode::Closed`]: the recorded person ([`Person`]) drives a simulated robot in the log's own
+//!   world; sensors are simulated anew from the recorded seed. It answers what would have
+//!   *happened*.
+//!
+//! In goes a [`LogReader`](schemas::log::LogReader) and a controller's [`Spec`](controller::Spec);
+//! out come the events of the replayed session, one by one ([`Replay::next_event`]), and an
+//! [`Outcome`] that says whether they are those of the recording, bit for bit. Replay re-executes:
+//! nothing that the recorded controller said is ever copied into a result.
+
+mod closed;
+mod error;
+mod hash;
+mod human;
+mod open;
+mod outcome;
+mod recorded;
+
+pub use error::ReplayError;
+pub use hash::{Covered, OutputHash};
+pub use human::Person;
+pub use outcome::{Deviation, Outcome};
+
+use std::io::Read;
+
+use controller::Spec;
+use schemas::log::LogReader;
+use schemas::{Event, Stamped};
+
+/// How a log is replayed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// Recorded sensors in, outputs compared.
+    Open,
+    /// Recorded person, simulated robot.
+    Closed(Person),
+}
+
+impl Mode {
+    /// The name in logs and machine-readable output: `open` or `closed`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Mode::Open => "open",
+            Mode::Closed(_) => "closed",
+        }
+    }
+}
+
+/// A replay under way: a session that is pulled event by event.
+pub struct Replay<R>(Kind<R>);
+
+enum Kind<R> {
+    Open(Box<open::OpenLoop<R>>),
+    Closed(Box<closed::ClosedLoop<R>>),
+}
+
+impl<R: Read + 'static> Replay<R> {
+    /// Prepares a replay. `open` opens the log; it is called more than once, because a closed loop
+    /// reads the person and the recording side by side.
+    ///
+    /// # Errors
+    /// The log cannot be read, the controller cannot be built for its scenario, or the log lacks
+    /// what the mode needs.
+    pub fn new<F>(open: F, spec: &Spec, mode: Mode) -> Result<Replay<R>, ReplayError>
+    where
+        F: Fn() -> Result<LogReader<R>, schemas::log::LogError>,
+    {
+        Ok(Replay(match mode {
+            Mode::Open => Kind::Open(Box::new(open::OpenLoop::new(open()?, spec)?)),
+            Mode::Closed(person) => {
+                Kind::Closed(Box::new(closed::ClosedLoop::new(open()?, open()?, spec, person)?))
+            }
+        }))
+    }
+
+    /// The next event of the replayed session in log order, or `None` at its end. Damage in the log
+    /// ends the session early; [`Replay::finish`] reports it.
+    pub fn next_event(&mut self) -> Option<Stamped<Event>> {
+        match &mut self.0 {
+            Kind::Open(replay) => replay.next_event(),
+            Kind::Closed(replay) => replay.next_event(),
+        }
+    }
+
+    /// What came of it.
+    ///
+    /// # Errors
+    /// The replay processed no step: nothing was replayed, so nothing can be said.
+    pub fn finish(self) -> Result<Outcome, ReplayError> {
+        match self.0 {
+            Kind::Open(replay) => replay.finish(),
+            Kind::Closed(replay) => replay.finish(),
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! What came of a replay, counted while it runs.
+
+use schemas::{Event, Stamped, Step, Time, Value};
+
+use crate::{Covered, OutputHash, ReplayError};
+
+/// The largest difference between a replayed and a recorded step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deviation {
+    /// Name of the field.
+    pub field: &'static str,
+    /// Absolute difference in the field's unit; +∞ where only one of the two is a number.
+    pub amount: f64,
+    /// When, seconds from the start of the session.
+    pub t_s: f64,
+}
+
+/// What came of a replay.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Steps replayed.
+    pub steps: u64,
+    /// Steps in which the feedback law drove (k = 0).
+    pub engaged_steps: u64,
+    /// Hash of the replayed messages.
+    pub output_hash: String,
+    /// Hash of the recorded ones.
+    pub recorded_hash: String,
+    /// Whether the two agree: every compared message is the recorded one, bit for bit.
+    pub identical_to_recorded: bool,
+    /// The largest difference from the recorded steps; `None` where no number differs.
+    pub max_deviation: Option<Deviation>,
+    /// Simulated or replayed time, seconds.
+    pub duration_s: f64,
+    /// Why the replay ended before the log should have, where it did.
+    pub damage: Option<String>,
+}
+
+/// The running count behind an [`Outcome`].
+pub(crate) struct Tally {
+    start: Time,
+    last: Time,
+    steps: u64,
+    engaged_steps: u64,
+    replayed: OutputHash,
+    recorded: OutputHash,
+    deviation: Option<Deviation>,
+    pub(crate) damage: Option<String>,
+}
+
+impl Tally {
+    pub(crate) fn new(covered: Covered, start: Time) -> Tally {
+        Tally {
+            start,
+            last: start,
+            steps: 0,
+            engaged_steps: 0,
+            replayed: OutputHash::new(covered, start),
+            recorded: OutputHash::new(covered, start),
+            deviation: None,
+            damage: None,
+        }
+    }
+
+    pub(crate) fn replayed(&mut self, event: &Stamped<Event>) {
+        self.last = event.at;
+        self.replayed.update(event);
+        if let Event::Step(step) = &event.value {
+            self.steps += 1;
+            self.engaged_steps += u64::from(step.k == 0.0);
+        }
+    }
+
+    pub(crate) fn recorded(&mut self, event: &Stamped<Event>) {
+        self.recorded.update(event);
+    }
+
+    pub(crate) fn compare_steps(&mut self, replayed: &Step, recorded: &Step) {
+        let t_s = replayed.stamp.seconds_since(self.start);
+        for (field, (a, b)) in
+            Step::FIELDS.iter().zip(replayed.values().iter().zip(&recorded.values()))
+        {
+            let amount = difference(a, b);
+            if amount > self.deviation.as_ref().map_or(0.0, |largest| largest.amount) {
+                self.deviation = Some(Deviation { field: field.name, amount, t_s });
+            }
+        }
+    }
+
+    pub(crate) fn finish(self) -> Result<Outcome, ReplayError> {
+        if self.steps == 0 {
+            return Err(ReplayError::NoStep);
+        }
+        let (output_hash, recorded_hash) = (self.replayed.hex(), self.recorded.hex());
+        Ok(Outcome {
+            steps: self.steps,
+            engaged_steps: self.engaged_steps,
+            // A damaged log has no whole recording to be identical to.
+            identical_to_recorded: output_hash == recorded_hash && self.damage.is_none(),
+            output_hash,
+            recorded_hash,
+            max_deviation: self.deviation,
+            duration_s: self.last.seconds_since(self.start),
+            damage: self.damage,
+        })
+    }
+}
+
+/// How far two numbers are apart. NaN equals NaN; a number and a NaN are infinitely far apart.
+/// Names, flags and hashes have no distance: they are left to the hash and to `tandem diff`.
+fn difference(a: &Value, b: &Value) -> f64 {
+    let number = |a: f64, b: f64| match (a.is_nan(), b.is_nan()) {
+        _ if a.to_bits() == b.to_bits() => 0.0,
+        (true, true) => 0.0,
+        (false, false) => (a - b).abs(),
+        _ => f64::INFINITY,
+    };
+    match (a, b) {
+        (Value::Number(a), Value::Number(b)) => number(*a, *b),
+        (Value::Pair(a), Value::Pair(b)) => number(a[0], b[0]).max(number(a[1], b[1])),
+        (Value::Pose(a), Value::Pose(b)) => number(a.x_m, b.x_m)
+            .max(number(a.y_m, b.y_m))
+            .max(number(a.theta_rad, b.theta_rad)),
+        _ => 0.0,
+    }
+}
