@@ -1,0 +1,172 @@
+//! The verdict, and the rules it follows.
+//!
+//! In this order; the first that applies decides:
+//!
+//! 1. **failed**: a log could not be run, or B left the static admissible set or ran into a moving
+//!    disc on a log on which A did nothing of the kind. (A disc that runs over a robot which does
+//!    not move towards it is listed and held against nobody.)
+//! 2. **same**: in no log does anything differ that the controllers say or command, and no metric.
+//! 3. **better**, **worse**: safety metrics changed beyond chance, all in one direction. If none
+//!    did, the authority metrics decide likewise. What got worse in the other group is named.
+//! 4. **undecided**: otherwise; also when metrics of the deciding group contradict each other.
+//!
+//! *Beyond chance* means that the 95 % interval excludes 0 *and* that the p-value of the paired
+//! randomisation test, adjusted by Holm over the metrics of the group, is at most 0.05. The second
+//! condition keeps a handful of logs from deciding anything: with n logs p is 2/2ⁿ at least.
+
+use super::result::{Comparison, LogStatus, MetricChange, Verdict};
+use crate::metrics::Group;
+use crate::report::{number, signed, with_unit};
+use crate::statistics::holm;
+
+/// Largest chance of a false call within a group of metrics.
+const ALPHA: f64 = 0.05;
+
+/// Marks the metrics whose change is beyond chance.
+pub(super) fn mark_decidable(metrics: &mut [MetricChange]) {
+    for group in [Group::Safety, Group::Authority, Group::Task] {
+        let mut members: Vec<&mut MetricChange> = metrics
+            .iter_mut()
+            .filter(|metric| metric.group == group && metric.p.is_some())
+            .collect();
+        let p: Vec<f64> = members.iter().map(|metric| metric.p.unwrap_or(1.0)).collect();
+        for (metric, adjusted) in members.iter_mut().zip(holm(&p)) {
+            let excludes_zero = metric.ci.is_some_and(crate::statistics::Interval::excludes_zero);
+            let floor = metric.floor.unwrap_or(0.0);
+            let beyond_floor = metric.delta.is_some_and(|delta| libm::fabs(delta) > floor);
+            metric.decidable = excludes_zero && beyond_floor && adjusted <= ALPHA;
+        }
+    }
+}
+
+/// The verdict and its reason. `all_same`: every log ran, and in none does anything differ that a
+/// controller says or commands.
+pub(super) fn verdict(comparison: &Comparison, all_same: bool) -> (Verdict, String) {
+    if let Some(reason) = failure(comparison) {
+        return (Verdict::Failed, reason);
+    }
+    let logs = count(comparison.logs.len(), "log");
+    let unchanged = comparison
+        .logs
+        .iter()
+        .flat_map(|log| log.metrics.values())
+        .all(|change| change.a == change.b);
+    if all_same && unchanged {
+        return (Verdict::Same, format!("A and B do exactly the same in {logs}"));
+    }
+    for group in [Group::Safety, Group::Authority] {
+        let (improved, declined) = changed(comparison, group);
+        let (verdict, carried) = match (improved.is_empty(), declined.is_empty()) {
+            (true, true) => continue,
+            (false, true) => (Verdict::Better, improved),
+            (true, false) => (Verdict::Worse, declined),
+            (false, false) => {
+                let reason = format!(
+                    "{} metrics contradict each other: B is better in {} and worse in {}",
+                    group.name(),
+                    list(&improved),
+                    list(&declined)
+                );
+                return (Verdict::Undecided, reason);
+            }
+        };
+        let mut reason = format!("B is {} in {} over {logs}", verdict.name(), list(&carried));
+        reason.push_str(&price(comparison, group, verdict));
+        return (verdict, reason);
+    }
+    (Verdict::Undecided, no_call(comparison, &logs))
+}
+
+/// Why the comparison failed, if it did.
+fn failure(comparison: &Comparison) -> Option<String> {
+    let total = comparison.logs.len();
+    let mut failed = comparison.logs.iter().filter(|log| log.status == LogStatus::Failed);
+    if let Some(first) = failed.next() {
+        let reason = first.error.as_deref().unwrap_or("no reason given");
+        let others = failed.count();
+        let more = if others > 0 { format!(", and {others} more") } else { String::new() };
+        return Some(format!(
+            "{} of {total} logs could not be compared: {} ({reason}){more}",
+            others + 1,
+            first.log
+        ));
+    }
+    let mut new = comparison.violations.iter().filter(|violation| violation.new);
+    let first = new.next()?;
+    let others = new.count();
+    let more = if others > 0 {
+        format!(" ({} more on these logs)", count(others, "violation"))
+    } else {
+        String::new()
+    };
+    Some(format!(
+        "B {} at {} s in {}, and A does not do so on this log{more}",
+        first.kind.words(),
+        number(Some(first.t_s)),
+        first.log
+    ))
+}
+
+/// The metrics of a group that changed beyond chance: for the better, for the worse.
+fn changed(comparison: &Comparison, group: Group) -> (Vec<&MetricChange>, Vec<&MetricChange>) {
+    comparison.metrics.iter().filter(|metric| metric.group == group && metric.decidable).partition(
+        |metric| metric.delta.is_some_and(|delta| metric.better.improvement(delta) > 0.0),
+    )
+}
+
+/// What the other groups say against the verdict.
+fn price(comparison: &Comparison, decided_by: Group, verdict: Verdict) -> String {
+    let mut against = Vec::new();
+    for group in [Group::Safety, Group::Authority, Group::Task] {
+        if group != decided_by {
+            let (improved, declined) = changed(comparison, group);
+            against.extend(if verdict == Verdict::Better { declined } else { improved });
+        }
+    }
+    match (against.is_empty(), verdict) {
+        (true, _) => String::new(),
+        (false, Verdict::Better) => format!("; the price is {}", list(&against)),
+        (false, _) => format!("; against that stands {}", list(&against)),
+    }
+}
+
+/// Why nothing could be decided.
+fn no_call(comparison: &Comparison, logs: &str) -> String {
+    let nearest = comparison
+        .metrics
+        .iter()
+        .filter(|metric| metric.group != Group::Task && metric.delta.is_some_and(|d| d != 0.0))
+        .min_by(|x, y| x.p.unwrap_or(1.0).total_cmp(&y.p.unwrap_or(1.0)));
+    match nearest {
+        Some(metric) => format!(
+            "no change of a safety or authority metric over {logs} is beyond chance; the nearest is \
+             {} (p {})",
+            describe(metric),
+            number(metric.p)
+        ),
+        None => format!("the runs differ, but no safety or authority metric does over {logs}"),
+    }
+}
+
+fn list(metrics: &[&MetricChange]) -> String {
+    metrics.iter().map(|metric| describe(metric)).collect::<Vec<_>>().join(", ")
+}
+
+/// A metric and its change: `human_share -0.120 [-0.180, -0.060]`.
+fn describe(metric: &MetricChange) -> String {
+    let change = with_unit(&signed(metric.delta), &metric.unit);
+    match metric.ci {
+        Some(ci) => format!(
+            "{} {change} [{}, {}]",
+            metric.name,
+            signed(Some(ci.low)),
+            signed(Some(ci.high))
+        ),
+        None => format!("{} {change}", metric.name),
+    }
+}
+
+/// `1 log`, `2 logs`.
+pub(super) fn count(n: usize, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
+}

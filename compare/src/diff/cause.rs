@@ -1,0 +1,101 @@
+//! What differed first, and first along the data flow.
+//!
+//! A step's quantities cause one another in the order input → estimate → distances → reference →
+//! law → sharing → command. Among the differences at the earliest time, the one at the earliest
+//! stage is the cause of the others; whatever differs later may be a consequence.
+
+use std::fmt::Write;
+
+use schemas::Node;
+use serde::{Deserialize, Serialize};
+
+use super::field::Row;
+use super::reading::Reading;
+
+/// The earliest difference, and at that time the one at the earliest stage of the data flow.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FirstCause {
+    /// Seconds from the start of the run.
+    pub t_s: f64,
+    /// Stage of the data flow: `input`, `estimate`, … `command`.
+    pub node: String,
+    /// The field.
+    pub field: String,
+    /// Its unit; empty without one.
+    pub unit: String,
+    /// What the first run says.
+    pub a: Reading,
+    /// What the second run says.
+    pub b: Reading,
+    /// The same in a sentence.
+    pub reason: String,
+}
+
+/// A difference that may turn out to be the first.
+#[derive(Clone, Debug)]
+pub(super) struct Candidate {
+    /// Nanoseconds from the start.
+    pub(super) key: i128,
+    pub(super) node: Node,
+    /// Position of the row, for two at the same stage.
+    pub(super) order: usize,
+    pub(super) cause: FirstCause,
+}
+
+impl Candidate {
+    fn rank(&self) -> (i128, Node, usize) {
+        (self.key, self.node, self.order)
+    }
+}
+
+/// The first difference so far: among the quantities, and among the fingerprints of hidden state,
+/// which count only where no quantity differs.
+#[derive(Clone, Debug, Default)]
+pub(super) struct First {
+    quantity: Option<Candidate>,
+    hidden: Option<Candidate>,
+}
+
+impl First {
+    /// Whether a difference there would come before the first one so far.
+    pub(super) fn is_beaten_by(&self, key: i128, row: &Row, order: usize) -> bool {
+        let so_far = if row.hidden_state { &self.hidden } else { &self.quantity };
+        so_far.as_ref().is_none_or(|first| (key, row.node, order) < first.rank())
+    }
+
+    pub(super) fn take(&mut self, candidate: Candidate, hidden_state: bool) {
+        let so_far = if hidden_state { &mut self.hidden } else { &mut self.quantity };
+        *so_far = Some(candidate);
+    }
+
+    pub(super) fn cause(self) -> Option<FirstCause> {
+        self.quantity.or(self.hidden).map(|first| first.cause)
+    }
+}
+
+/// The sentence of a first cause.
+pub(super) fn sentence(
+    t_s: f64,
+    row: &Row,
+    (a, b): (&Reading, &Reading),
+    said: Option<(&str, &str)>,
+) -> String {
+    let unit = if row.unit.is_empty() { String::new() } else { format!(" {}", row.unit) };
+    let mut text = format!("at {t_s:.3} s {} is {a}{unit} in A and {b}{unit} in B", row.name);
+    if row.hidden_state {
+        text.push_str("; no quantity differs, only the controllers' hidden state");
+    } else if row.node != Node::Input {
+        text.push_str("; everything before the stage `");
+        text.push_str(row.node.name());
+        text.push_str("` agrees up to then");
+    }
+    if let Some((a, b)) = said {
+        if a == b {
+            // Writing to a String cannot fail, here and below.
+            let _ = write!(text, "; both give the reason `{a}`");
+        } else {
+            let _ = write!(text, "; A gives the reason `{a}`, B `{b}`");
+        }
+    }
+    text
+}

@@ -1,0 +1,335 @@
+//! Two streams of events, matched and compared as they come.
+
+use std::collections::VecDeque;
+
+use schemas::{Event, Node, Stamped, Time};
+use serde::{Deserialize, Serialize};
+
+use super::cause::{Candidate, First, FirstCause, sentence};
+use super::field::{FieldDifference, Row, command_rows, step_rows};
+use super::reading::{Cell, Reading, command_cells, step_cells};
+use super::tolerance::{Tolerance, Tolerances};
+use crate::CompareError;
+
+/// How much was compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Compared {
+    /// Steps that both runs have.
+    pub steps: u64,
+    /// Steps and commands that both runs have.
+    pub messages: u64,
+    /// Those of them that differ.
+    pub differing: u64,
+}
+
+/// Where two runs differ.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Diff {
+    /// Whether no compared field differs by more than its tolerance and no message is missing.
+    pub same: bool,
+    /// The same but for the controllers' hidden state (`state_hash`): nothing that either run
+    /// says, asks for or commands differs.
+    pub same_behaviour: bool,
+    /// How much was compared.
+    pub compared: Compared,
+    /// The fields that differ, in the order of the data flow.
+    pub fields: Vec<FieldDifference>,
+    /// What differed first.
+    pub first_cause: Option<FirstCause>,
+}
+
+/// A message that waits for its counterpart.
+struct Waiting {
+    key: i128,
+    cells: Vec<Cell>,
+}
+
+/// One run: its messages that have not been matched yet.
+#[derive(Default)]
+struct Side {
+    start: Time,
+    queues: [VecDeque<Waiting>; 2],
+    ended: bool,
+}
+
+impl Side {
+    fn waiting(&self) -> usize {
+        self.queues.iter().map(VecDeque::len).sum()
+    }
+
+    fn push(&mut self, event: &Stamped<Event>) {
+        let (topic, stamp, cells) = match &event.value {
+            Event::Step(step) => (STEP, step.stamp, step_cells(step)),
+            Event::Command(command) => (COMMAND, command.stamp, command_cells(command)),
+            _ => return,
+        };
+        let key = i128::from(stamp.0) - i128::from(self.start.0);
+        self.queues[topic].push_back(Waiting { key, cells });
+    }
+}
+
+const STEP: usize = 0;
+const COMMAND: usize = 1;
+
+/// What is compared of one topic, and what came of it.
+struct Topic {
+    rows: Vec<Row>,
+    tolerances: Vec<Option<Tolerance>>,
+    found: Vec<Option<FieldDifference>>,
+    only: [Option<FieldDifference>; 2],
+    only_names: [&'static str; 2],
+    node: Node,
+    /// Position of the first row among all rows.
+    first_order: usize,
+    /// Which cell holds the reason that the controller gives.
+    reason: Option<usize>,
+}
+
+impl Topic {
+    fn new(
+        rows: Vec<Row>,
+        tolerances: &Tolerances,
+        only_names: [&'static str; 2],
+        node: Node,
+        first_order: usize,
+    ) -> Topic {
+        Topic {
+            tolerances: rows.iter().map(|row| tolerances.of(row)).collect(),
+            found: rows.iter().map(|_| None).collect(),
+            reason: rows.iter().position(|row| row.name == "reason"),
+            rows,
+            only: [None, None],
+            only_names,
+            node,
+            first_order,
+        }
+    }
+}
+
+/// Compares two runs event by event.
+///
+/// Feed both sides in turn, so that little has to wait; [`diff`] does that. Events other than
+/// steps and commands are passed over.
+pub struct Differ {
+    sides: [Side; 2],
+    topics: [Topic; 2],
+    compared: Compared,
+    first: First,
+}
+
+impl std::fmt::Debug for Differ {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Differ").field("compared", &self.compared).finish_non_exhaustive()
+    }
+}
+
+fn seconds(key: i128) -> f64 {
+    key as f64 / schemas::NS_PER_S as f64
+}
+
+impl Differ {
+    /// A comparison of two runs that started at these instants (`Header.run.start`).
+    pub fn new(tolerances: &Tolerances, start_a: Time, start_b: Time) -> Differ {
+        let steps = step_rows();
+        // A missing message comes before the fields of its topic, hence the gaps of one.
+        let commands_from = steps.len() + 2;
+        Differ {
+            sides: [
+                Side { start: start_a, ..Side::default() },
+                Side { start: start_b, ..Side::default() },
+            ],
+            topics: [
+                Topic::new(
+                    steps,
+                    tolerances,
+                    ["steps_only_in_a", "steps_only_in_b"],
+                    Node::Input,
+                    1,
+                ),
+                Topic::new(
+                    command_rows(),
+                    tolerances,
+                    ["commands_only_in_a", "commands_only_in_b"],
+                    Node::Command,
+                    commands_from,
+                ),
+            ],
+            compared: Compared::default(),
+            first: First::default(),
+        }
+    }
+
+    /// Takes in the next event of the first run.
+    pub fn a(&mut self, event: &Stamped<Event>) {
+        self.sides[0].push(event);
+        self.match_waiting();
+    }
+
+    /// Takes in the next event of the second run.
+    pub fn b(&mut self, event: &Stamped<Event>) {
+        self.sides[1].push(event);
+        self.match_waiting();
+    }
+
+    /// Ends both runs.
+    ///
+    /// # Errors
+    /// [`CompareError::NothingToDiff`] when neither run had a step or a command.
+    pub fn finish(mut self) -> Result<Diff, CompareError> {
+        self.sides.iter_mut().for_each(|side| side.ended = true);
+        self.match_waiting();
+        let mut fields = Vec::new();
+        for topic in self.topics {
+            fields.extend(topic.only.into_iter().flatten());
+            fields.extend(topic.found.into_iter().flatten());
+        }
+        if self.compared.messages == 0 && fields.is_empty() {
+            return Err(CompareError::NothingToDiff);
+        }
+        Ok(Diff {
+            same: fields.is_empty(),
+            same_behaviour: fields.iter().all(|field| field.field == "state_hash"),
+            compared: self.compared,
+            fields,
+            first_cause: self.first.cause(),
+        })
+    }
+
+    fn match_waiting(&mut self) {
+        for topic in [STEP, COMMAND] {
+            loop {
+                let [a, b] = &self.sides;
+                let ended = [a.ended, b.ended];
+                let keys = [&a.queues[topic], &b.queues[topic]].map(|q| q.front().map(|m| m.key));
+                match keys {
+                    [Some(a), Some(b)] if a == b => self.compare(topic),
+                    [Some(a), Some(b)] => self.only(topic, usize::from(b < a)),
+                    [Some(_), None] if ended[1] => self.only(topic, 0),
+                    [None, Some(_)] if ended[0] => self.only(topic, 1),
+                    _ => break,
+                }
+            }
+        }
+    }
+
+    /// Takes the next message of a topic from both sides and compares them.
+    fn compare(&mut self, topic_index: usize) {
+        let [a, b] = &mut self.sides;
+        let queues = (&mut a.queues[topic_index], &mut b.queues[topic_index]);
+        let (Some(a), Some(b)) = (queues.0.pop_front(), queues.1.pop_front()) else { return };
+        self.compared.messages += 1;
+        if topic_index == STEP {
+            self.compared.steps += 1;
+        }
+        let t_s = seconds(a.key);
+        let topic = &mut self.topics[topic_index];
+        let mut differs = false;
+        for (i, (&cell_a, &cell_b)) in a.cells.iter().zip(&b.cells).enumerate() {
+            let Some(tolerance) = topic.tolerances[i] else { continue };
+            if tolerance.same(cell_a, cell_b) {
+                continue;
+            }
+            differs = true;
+            let row = &topic.rows[i];
+            topic.found[i]
+                .get_or_insert_with(|| {
+                    FieldDifference::new(&row.name, row.node, &row.unit, t_s, tolerance)
+                })
+                .add(t_s, cell_a, cell_b);
+            let order = topic.first_order + i;
+            if self.first.is_beaten_by(a.key, row, order) {
+                let said = topic.reason.and_then(|r| match (a.cells[r], b.cells[r]) {
+                    (Cell::Name(a), Cell::Name(b)) => Some((a, b)),
+                    _ => None,
+                });
+                let candidate = candidate(a.key, order, row, (cell_a, cell_b), said);
+                self.first.take(candidate, row.hidden_state);
+            }
+        }
+        if differs {
+            self.compared.differing += 1;
+        }
+    }
+
+    /// Takes the next message of a topic from one side: the other side does not have it.
+    fn only(&mut self, topic_index: usize, side: usize) {
+        let Some(message) = self.sides[side].queues[topic_index].pop_front() else { return };
+        let t_s = seconds(message.key);
+        let topic = &mut self.topics[topic_index];
+        let name = topic.only_names[side];
+        let difference = topic.only[side].get_or_insert_with(|| {
+            FieldDifference::new(name, topic.node, "messages", t_s, Tolerance::default())
+        });
+        difference.count += 1;
+        difference.first_at_s = difference.first_at_s.min(t_s);
+        let row = Row {
+            name: name.to_owned(),
+            node: topic.node,
+            unit: String::new(),
+            hidden_state: false,
+        };
+        let order = topic.first_order - 1;
+        if self.first.is_beaten_by(message.key, &row, order) {
+            let there = (Cell::Flag(side == 0), Cell::Flag(side == 1));
+            let mut candidate = candidate(message.key, order, &row, there, None);
+            let what = if topic_index == STEP { "step" } else { "command" };
+            let (has, lacks) = if side == 0 { ("A", "B") } else { ("B", "A") };
+            candidate.cause.reason =
+                format!("at {t_s:.3} s {has} has a {what} that {lacks} does not have");
+            self.first.take(candidate, false);
+        }
+    }
+}
+
+fn candidate(
+    key: i128,
+    order: usize,
+    row: &Row,
+    (a, b): (Cell, Cell),
+    said: Option<(&str, &str)>,
+) -> Candidate {
+    let t_s = seconds(key);
+    let (a, b): (Reading, Reading) = (a.reading(), b.reading());
+    let reason = sentence(t_s, row, (&a, &b), said);
+    let cause = FirstCause {
+        t_s,
+        node: row.node.name().to_owned(),
+        field: row.name.clone(),
+        unit: row.unit.clone(),
+        a,
+        b,
+        reason,
+    };
+    Candidate { key, node: row.node, order, cause }
+}
+
+/// Compares two runs, reading each no further ahead than the other.
+///
+/// `next_a` and `next_b` give the next event of their run, `None` at its end.
+///
+/// # Errors
+/// What reading gives, and [`CompareError::NothingToDiff`].
+pub fn diff<E: From<CompareError>>(
+    tolerances: &Tolerances,
+    (start_a, mut next_a): (Time, impl FnMut() -> Result<Option<Stamped<Event>>, E>),
+    (start_b, mut next_b): (Time, impl FnMut() -> Result<Option<Stamped<Event>>, E>),
+) -> Result<Diff, E> {
+    let mut differ = Differ::new(tolerances, start_a, start_b);
+    loop {
+        let [a, b] = &differ.sides;
+        if !a.ended && (b.ended || a.waiting() <= b.waiting()) {
+            match next_a()? {
+                Some(event) => differ.a(&event),
+                None => differ.sides[0].ended = true,
+            }
+        } else if !b.ended {
+            match next_b()? {
+                Some(event) => differ.b(&event),
+                None => differ.sides[1].ended = true,
+            }
+        } else {
+            return Ok(differ.finish()?);
+        }
+        differ.match_waiting();
+    }
+}

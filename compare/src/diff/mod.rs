@@ -1,0 +1,20 @@
+//! Two runs field by field: where they differ, by how much, since when, and what differed first.
+//!
+//! In go two streams of events; out comes a [`Diff`]. Compared are `/step` and `/command`, matched
+//! by their time from the start of their run. Fields come from the step's own catalogue
+//! ([`schemas::Step::FIELDS`]), so a field added to the schema is compared without a word here.
+//!
+//! NaN equals NaN: both runs do not know. NaN against a number is a difference. A step or command
+//! that only one run has is a difference, with a row of its own.
+
+mod cause;
+mod differ;
+mod field;
+mod reading;
+mod tolerance;
+
+pub use cause::FirstCause;
+pub use differ::{Compared, Diff, Differ, diff};
+pub use field::FieldDifference;
+pub use reading::Reading;
+pub use tolerance::{Tolerance, Tolerances};

@@ -1,0 +1,35 @@
+//! What changed between two runs, when, why, and how sure that is.
+//!
+//! In go the events of runs ([`schemas::Event`]) and what the runs say about themselves
+//! ([`schemas::Header`]); out come
+//!
+//! - [`Measured`]: a run's metrics, violations and path, from a streaming [`Meter`];
+//! - [`Diff`]: two runs field by field, with the first cause along the controller's data flow;
+//! - [`Comparison`]: two controllers over many logs, with paired statistics and a verdict;
+//! - [`report`]: that one object as text, Markdown, JSON and a page;
+//! - [`golden`]: a run against the result that was once approved.
+//!
+//! Nothing here runs a controller, reads a file or asks for the time.
+
+mod comparison;
+mod diff;
+mod error;
+pub mod golden;
+mod metrics;
+pub mod report;
+pub mod statistics;
+#[cfg(test)]
+mod synthetic;
+
+pub use comparison::{
+    Arm, Change, Comparison, Gate, LogPair, LogResult, LogStatus, MetricChange, Moment, Question,
+    Scene, Verdict, ViolationRecord, compare,
+};
+pub use diff::{
+    Compared, Diff, Differ, FieldDifference, FirstCause, Reading, Tolerance, Tolerances, diff,
+};
+pub use error::CompareError;
+pub use metrics::{
+    Basis, Better, CATALOGUE, Group, Measured, Meter, Metric, Profile, RunMetrics, Switch, Track,
+    TrackPoint, Violation, ViolationKind, metric,
+};

@@ -1,0 +1,45 @@
+//! How one metric grows over a run.
+
+use super::sample::{Decision, Motion};
+
+/// One metric, fed with a run from its start to its end.
+pub(super) trait Accumulate {
+    /// The robot was there until the next motion. May be called before or after the decision of
+    /// the same instant.
+    fn motion(&mut self, motion: &Motion) {
+        let _ = motion;
+    }
+
+    /// The controller decided that.
+    fn decision(&mut self, decision: &Decision) {
+        let _ = decision;
+    }
+
+    /// The metric so far; `None` where it has no meaning for this run.
+    fn value(&self) -> Option<f64>;
+
+    /// For a metric that adds up over time: the plain sum so far, before it is divided by anything.
+    /// Its growth tells which moments carry the metric.
+    fn total(&self) -> Option<f64> {
+        None
+    }
+}
+
+/// A weighted mean: Σ x·w / Σ w.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Mean {
+    pub(super) sum: f64,
+    pub(super) weight: f64,
+}
+
+impl Mean {
+    pub(super) fn add(&mut self, x: f64, weight: f64) {
+        self.sum += x * weight;
+        self.weight += weight;
+    }
+
+    /// `None` before anything with a weight was added.
+    pub(super) fn value(&self) -> Option<f64> {
+        (self.weight > 0.0).then(|| self.sum / self.weight)
+    }
+}

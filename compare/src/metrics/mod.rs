@@ -1,0 +1,30 @@
+//! A run in numbers: events in, [`Measured`] out.
+//!
+//! [`Meter`] reads a run once, event by event, and keeps a bounded amount of it. Each metric is a
+//! row of the [`CATALOGUE`] with its formula, and a small accumulator in a file by subject.
+//!
+//! Motion comes from `/truth` where the run has it, and otherwise from the estimate in `/step` and
+//! the scenario's world; [`RunMetrics::basis`] says which. A value that has no meaning for a run
+//! (no task, no contact, nothing to keep clear of) is `None`, never 0.
+
+mod accumulate;
+mod agreement;
+mod authority;
+mod catalogue;
+mod clearance;
+mod contact;
+mod invariance;
+mod meter;
+mod profile;
+mod sample;
+mod task;
+mod track;
+
+#[cfg(test)]
+mod tests;
+
+pub use catalogue::{Better, CATALOGUE, Group, Metric, metric};
+pub use invariance::{Violation, ViolationKind};
+pub use meter::{Basis, Measured, Meter, RunMetrics};
+pub use profile::Profile;
+pub use track::{Switch, Track, TrackPoint};

@@ -1,0 +1,123 @@
+//! A run to look at: where the robot went, who drove, and when that changed.
+
+use schemas::{Reason, Region};
+
+/// Most points of a track. When a run outgrows them, every second one goes.
+const MOST_POINTS: usize = 512;
+
+/// Most switches that are kept; a run that chatters more than that shows its first ones.
+const MOST_SWITCHES: usize = 4096;
+
+/// One instant of a run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrackPoint {
+    /// Seconds from the start of the run.
+    pub t_s: f64,
+    /// Position of the reference point, metres.
+    pub x_m: f64,
+    /// Position of the reference point, metres.
+    pub y_m: f64,
+    /// Heading, radians.
+    pub theta_rad: f64,
+    /// Sharing function.
+    pub k: f64,
+    /// Requested forward speed, clipped to the plant's limits, m/s.
+    pub v_h_mps: f64,
+    /// Commanded forward speed, m/s.
+    pub v_s_mps: f64,
+    /// Requested turn rate, clipped, rad/s.
+    pub omega_h_radps: f64,
+    /// Commanded turn rate, rad/s.
+    pub omega_s_radps: f64,
+    /// Signed clearance of the footprint, metres.
+    pub clearance_m: f64,
+    /// D, metres.
+    pub distance_human_m: f64,
+    /// Lyapunov function.
+    pub lyapunov: f64,
+}
+
+/// A moment at which it changed who drives (k, or whether the safety layer altered the input), or
+/// was seen first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Switch {
+    /// Seconds from the start of the run.
+    pub t_s: f64,
+    /// The new k.
+    pub k: f64,
+    /// Whether the safety layer altered the input from here on.
+    pub projected: bool,
+    /// Why, as the controller said.
+    pub reason: Reason,
+    /// Class of the state.
+    pub region: Region,
+    /// D, metres.
+    pub distance_human_m: f64,
+    /// Requested forward speed, m/s.
+    pub v_h_mps: f64,
+}
+
+/// A run, thinned to a bounded number of points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Track {
+    /// Points in the order of time.
+    pub points: Vec<TrackPoint>,
+    /// Every change of who drives, in the order of time; bounded.
+    pub switches: Vec<Switch>,
+    stride: usize,
+    skipped: usize,
+    last: Option<TrackPoint>,
+}
+
+impl Track {
+    pub(super) fn new() -> Track {
+        Track { points: Vec::new(), switches: Vec::new(), stride: 1, skipped: 0, last: None }
+    }
+
+    pub(super) fn point(&mut self, point: TrackPoint) {
+        self.last = Some(point);
+        if self.skipped > 0 {
+            self.skipped -= 1;
+            return;
+        }
+        if self.points.len() == MOST_POINTS {
+            let mut keep = false;
+            self.points.retain(|_| {
+                keep = !keep;
+                keep
+            });
+            self.stride *= 2;
+        }
+        self.points.push(point);
+        self.skipped = self.stride - 1;
+    }
+
+    pub(super) fn switch(&mut self, switch: Switch) {
+        let changed = self
+            .switches
+            .last()
+            .is_none_or(|last| last.k != switch.k || last.projected != switch.projected);
+        if changed && self.switches.len() < MOST_SWITCHES {
+            self.switches.push(switch);
+        }
+    }
+
+    /// Adds the last point of the run, which thinning may have left out.
+    pub(super) fn finish(&mut self) {
+        if let Some(last) = self.last
+            && self.points.last().is_none_or(|point| point.t_s != last.t_s)
+        {
+            self.points.push(last);
+        }
+    }
+
+    /// The last switch at or before `t_s`: who drove then, and since when. `None` before the first,
+    /// and after the last one kept where the run had more.
+    pub fn driving_at(&self, t_s: f64) -> Option<&Switch> {
+        let full = self.switches.len() == MOST_SWITCHES;
+        if full && self.switches.last().is_some_and(|last| t_s > last.t_s) {
+            return None;
+        }
+        self.switches.iter().take_while(|switch| switch.t_s <= t_s).last()
+    }
+}

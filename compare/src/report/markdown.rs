@@ -1,0 +1,107 @@
+//! Markdown for a merge request's comment or a step summary.
+
+use std::fmt::Write;
+
+use super::table::{Align, in_cell, markdown as table};
+use super::view::View;
+use crate::comparison::Comparison;
+
+/// Most rows of a list; the number of those left out is said. Keeps a comment far below the
+/// 1 MiB at which GitHub drops a summary whole.
+const MOST_ROWS: usize = 50;
+
+/// The comparison as Markdown, verdict first.
+pub fn markdown(comparison: &Comparison) -> String {
+    use Align::{Left, Right};
+    let view = View::new(comparison);
+    let mut text = format!(
+        "## {} {}: {} against {}\n\n{}\n\n",
+        view.mark,
+        view.verdict,
+        in_cell(&view.b),
+        in_cell(&view.a),
+        in_cell(&view.reason)
+    );
+    for (name, value) in &view.facts {
+        // Writing to a String cannot fail, here and below.
+        let _ = writeln!(text, "- **{name}**: {}", in_cell(value));
+    }
+    text.push('\n');
+
+    let head = ["metric", "unit", "better", "A", "B", "", "B - A", "95 % interval", "p", "n"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for metric in view.defined_metrics() {
+        rows.push(vec![
+            metric.name.clone(),
+            metric.unit.clone(),
+            metric.better.to_owned(),
+            metric.a.clone(),
+            metric.b.clone(),
+            metric.mark.to_owned(),
+            metric.delta.clone(),
+            metric.ci.clone(),
+            metric.p.clone(),
+            metric.n.clone(),
+        ]);
+    }
+    text.push_str(&table(
+        &[Left, Left, Left, Right, Right, Left, Right, Right, Right, Right],
+        &rows,
+    ));
+    text.push_str("\n▲ better, ▼ worse, ○ within chance, = no change");
+    let undefined = view.undefined_metrics();
+    if !undefined.is_empty() {
+        let _ = write!(text, ". Undefined in these logs: {}", in_cell(&undefined.join(", ")));
+    }
+    text.push_str(".\n");
+
+    let (in_a, in_b, new) = view.violation_counts;
+    let _ = writeln!(text, "\n### Violations: {in_a} in A, {in_b} in B, {new} held against B\n");
+    if !view.violations.is_empty() {
+        let head = ["", "arm", "log", "at", "what", "for", "depth", "speed"];
+        let mut rows = vec![head.map(str::to_owned).to_vec()];
+        rows.extend(view.violations.iter().take(MOST_ROWS).map(|v| {
+            vec![
+                if v.new { "✕" } else { "" }.to_owned(),
+                v.arm.to_owned(),
+                v.log.clone(),
+                v.t.clone(),
+                v.kind.to_owned(),
+                v.lasted.clone(),
+                v.depth.clone(),
+                v.speed.clone(),
+            ]
+        }));
+        text.push_str(&table(&[Left, Left, Left, Right, Left, Right, Right, Right], &rows));
+        text.push_str(&left_out(view.violations.len()));
+    }
+    if !view.moments.is_empty() {
+        text.push_str("\n### Moments that carry the change\n\n");
+        let head = ["log", "at", "metric", "B - A", "share", "what happened"];
+        let mut rows = vec![head.map(str::to_owned).to_vec()];
+        rows.extend(view.moments.iter().take(MOST_ROWS).map(|m| {
+            [&m.log, &m.t, &m.metric, &m.delta, &m.share, &m.why].map(Clone::clone).to_vec()
+        }));
+        text.push_str(&table(&[Left, Right, Left, Right, Right, Left], &rows));
+        text.push_str(&left_out(view.moments.len()));
+    }
+    text.push_str("\n### Logs\n\n");
+    let mut rows = vec![["log", "status", "first cause"].map(str::to_owned).to_vec()];
+    rows.extend(view.logs.iter().take(MOST_ROWS).map(|log| {
+        let (status, what) =
+            if log.failed { ("failed", &log.error) } else { ("ok", &log.first_cause) };
+        vec![log.log.clone(), status.to_owned(), what.clone()]
+    }));
+    text.push_str(&table(&[Left; 3], &rows));
+    text.push_str(&left_out(view.logs.len()));
+    text
+}
+
+/// What is said of the rows that a list leaves out.
+fn left_out(all: usize) -> String {
+    if all > MOST_ROWS {
+        format!("\n… and {} more: see the JSON or the page.\n", all - MOST_ROWS)
+    } else {
+        String::new()
+    }
+}

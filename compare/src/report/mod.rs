@@ -1,0 +1,25 @@
+//! One result, shown: as text for a terminal, Markdown for a comment, JSON for a machine, and one
+//! offline HTML page.
+//!
+//! Text, Markdown and the page are filled from the same table of cells (`View`), and JSON carries
+//! the numbers behind those cells, so that they cannot disagree.
+
+mod diff_text;
+mod html;
+mod json;
+mod map;
+mod markdown;
+mod metrics_text;
+mod number;
+mod plot;
+mod table;
+mod terminal;
+mod view;
+
+pub use diff_text::diff_text;
+pub use html::html;
+pub use json::json;
+pub use markdown::markdown;
+pub use metrics_text::{catalogue_text, metrics_text};
+pub use number::{number, signed, with_unit};
+pub use terminal::terminal;

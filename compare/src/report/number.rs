@@ -1,0 +1,67 @@
+//! Numbers as every report prints them.
+
+/// What stands for a value that has no meaning.
+pub(super) const UNDEFINED: &str = "–";
+
+/// A number to about three significant digits after the point; `–` where it has no meaning.
+///
+/// `0.031`, `12.35`, `144.8`, `2.0e-7`, `1.2e6`; whole numbers without a point.
+pub fn number(x: Option<f64>) -> String {
+    let Some(x) = x.filter(|x| !x.is_nan()) else { return UNDEFINED.to_owned() };
+    let size = libm::fabs(x);
+    if size == libm::floor(size) && size < 1e6 {
+        // Adding 0 turns −0 into 0.
+        format!("{}", x + 0.0)
+    } else if !(0.001..1e5).contains(&size) {
+        format!("{x:.1e}")
+    } else if size < 10.0 {
+        format!("{x:.3}")
+    } else if size < 100.0 {
+        format!("{x:.2}")
+    } else {
+        format!("{x:.1}")
+    }
+}
+
+/// The same with its sign, for a difference.
+pub fn signed(x: Option<f64>) -> String {
+    let text = number(x);
+    if x.is_some_and(|x| x > 0.0) { format!("+{text}") } else { text }
+}
+
+/// A printed number with its unit, if it has one of either.
+pub fn with_unit(text: &str, unit: &str) -> String {
+    if unit.is_empty() || text == UNDEFINED { text.to_owned() } else { format!("{text} {unit}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_keep_what_matters() {
+        let cases = [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (3.0, "3"),
+            (0.0312, "0.031"),
+            (-0.0312, "-0.031"),
+            (12.346, "12.35"),
+            (144.84, "144.8"),
+            (2e-7, "2.0e-7"),
+            (1_234_567.0, "1.2e6"),
+            (f64::INFINITY, "inf"),
+        ];
+        for (x, text) in cases {
+            assert_eq!(number(Some(x)), text);
+        }
+        assert_eq!(number(None), "–");
+        assert_eq!(number(Some(f64::NAN)), "–");
+        assert_eq!(signed(Some(0.5)), "+0.500");
+        assert_eq!(signed(Some(-0.5)), "-0.500");
+        assert_eq!(signed(Some(0.0)), "0");
+        assert_eq!(signed(None), "–");
+        assert_eq!(with_unit("1", "m"), "1 m");
+        assert_eq!(with_unit("–", "m"), "–");
+    }
+}

@@ -1,0 +1,133 @@
+//! Text for a terminal.
+
+use std::fmt::Write;
+
+use super::table::{Align, columns};
+use super::view::{MomentRow, View, ViolationRow};
+use crate::comparison::Comparison;
+
+/// Most rows of a list; the number of those left out is said.
+const MOST_ROWS: usize = 30;
+
+/// Most moments: a terminal is for the main ones.
+const MOST_MOMENTS: usize = 12;
+
+/// The comparison as aligned text, verdict first.
+pub fn terminal(comparison: &Comparison) -> String {
+    let view = View::new(comparison);
+    let mut text = format!("{} {}: {}\n\n", view.mark, view.verdict, view.reason);
+    for (name, value) in &view.facts {
+        // Writing to a String cannot fail, here and below.
+        let _ = writeln!(text, "{name:<6} {value}");
+    }
+    text.push('\n');
+    text.push_str(&metrics(&view));
+    let undefined = view.undefined_metrics();
+    if !undefined.is_empty() {
+        let _ = writeln!(text, "undefined in these logs: {}", undefined.join(", "));
+    }
+    text.push_str("▲ better  ▼ worse  ○ within chance  = no change\n\n");
+
+    let (in_a, in_b, new) = view.violation_counts;
+    let _ = writeln!(text, "violations: {in_a} in A, {in_b} in B, {new} held against B");
+    text.push_str(&violations(&view.violations));
+    if !view.moments.is_empty() {
+        text.push_str("\nmoments that carry the change\n");
+        text.push_str(&moments(&view.moments));
+    }
+    text.push_str("\nfirst cause by log\n");
+    text.push_str(&logs(&view));
+    if !comparison.report.is_empty() {
+        let _ = writeln!(text, "\nreport: {}", comparison.report.join(", "));
+    }
+    text
+}
+
+fn row(cells: &[&str]) -> Vec<String> {
+    cells.iter().map(|cell| (*cell).to_owned()).collect()
+}
+
+fn metrics(view: &View) -> String {
+    use Align::{Left, Right};
+    let mut rows =
+        vec![row(&["metric", "unit", "better", "A", "B", "", "B - A", "95 % interval", "p", "n"])];
+    let mut group = "";
+    for metric in view.defined_metrics() {
+        if metric.group != group {
+            group = metric.group;
+            rows.push(row(&[&group.to_uppercase()]));
+        }
+        rows.push(row(&[
+            &metric.name,
+            &metric.unit,
+            metric.better,
+            &metric.a,
+            &metric.b,
+            metric.mark,
+            &metric.delta,
+            &metric.ci,
+            &metric.p,
+            &metric.n,
+        ]));
+    }
+    columns(&[Left, Left, Left, Right, Right, Left, Right, Right, Right, Right], &rows)
+}
+
+fn violations(all: &[ViolationRow]) -> String {
+    use Align::{Left, Right};
+    let rows: Vec<Vec<String>> = all
+        .iter()
+        .take(MOST_ROWS)
+        .map(|v| {
+            row(&[
+                if v.new { "  ✕" } else { "   " },
+                v.arm,
+                &v.log,
+                &v.t,
+                v.kind,
+                &format!("for {}", v.lasted),
+                &format!("{} deep", v.depth),
+                &format!("at {}", v.speed),
+            ])
+        })
+        .collect();
+    let mut text = columns(&[Left, Left, Left, Right, Left, Left, Left, Left], &rows);
+    text.push_str(&left_out(all.len(), MOST_ROWS));
+    text
+}
+
+fn moments(all: &[MomentRow]) -> String {
+    use Align::{Left, Right};
+    let rows: Vec<Vec<String>> = all
+        .iter()
+        .take(MOST_MOMENTS)
+        .map(|m| row(&["", &m.log, &m.t, &m.metric, &m.delta, &m.why]))
+        .collect();
+    let mut text = columns(&[Left, Left, Right, Left, Right, Left], &rows);
+    text.push_str(&left_out(all.len(), MOST_MOMENTS));
+    text
+}
+
+fn logs(view: &View) -> String {
+    let rows: Vec<Vec<String>> = view
+        .logs
+        .iter()
+        .take(MOST_ROWS)
+        .map(|log| {
+            let failed = format!("failed: {}", log.error);
+            row(&["", &log.log, if log.failed { &failed } else { &log.first_cause }])
+        })
+        .collect();
+    let mut text = columns(&[Align::Left; 3], &rows);
+    text.push_str(&left_out(view.logs.len(), MOST_ROWS));
+    text
+}
+
+/// What is said of the rows that a list leaves out.
+fn left_out(all: usize, shown: usize) -> String {
+    if all > shown {
+        format!("  … and {} more: see the JSON or the page\n", all - shown)
+    } else {
+        String::new()
+    }
+}
