@@ -1,0 +1,137 @@
+//! One arm of a comparison: a log under one controller.
+
+use std::cell::RefCell;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use anyhow::{Context as _, Result, anyhow};
+use compare::{Diff, LogPair, Measured, Meter, Tolerances};
+use replay::{Mode, Replay};
+use schemas::log::LogReader;
+use schemas::{Event, Header, Stamped};
+
+use crate::controller_choice::ControllerChoice;
+use crate::{interrupt, logs};
+
+/// A log under one controller, event by event.
+enum Arm {
+    /// Replayed.
+    Replayed(Replay<BufReader<File>>),
+    /// As it was recorded.
+    Recorded(LogReader<BufReader<File>>),
+}
+
+impl Arm {
+    fn new(log: &Path, header: &Header, choice: &ControllerChoice, mode: Mode) -> Result<Arm> {
+        if *choice == ControllerChoice::Recorded {
+            return Ok(Arm::Recorded(logs::open_raw(log)?));
+        }
+        let spec = choice.for_log(header)?;
+        Ok(Arm::Replayed(Replay::new(|| logs::open_raw(log), &spec, mode)?))
+    }
+
+    fn next_event(&mut self) -> Result<Option<Stamped<Event>>> {
+        if interrupt::pressed() {
+            return Err(anyhow!("interrupted"));
+        }
+        match self {
+            Arm::Replayed(replay) => Ok(replay.next_event()),
+            Arm::Recorded(log) => Ok(log.next_event()?),
+        }
+    }
+
+    /// Why the arm ended before its log should have, where it did.
+    fn damage(self) -> Result<()> {
+        match self {
+            Arm::Recorded(_) => Ok(()),
+            Arm::Replayed(replay) => match replay.finish()?.damage {
+                None => Ok(()),
+                Some(damage) => Err(anyhow!(damage)),
+            },
+        }
+    }
+}
+
+/// Both arms of one log, walked side by side: measured, and compared step by step.
+pub fn pair(
+    log: &Path,
+    (a, b): (&ControllerChoice, &ControllerChoice),
+    mode: Mode,
+) -> Result<LogPair> {
+    let header = logs::open(log)?.header().clone();
+    let mut pair = LogPair {
+        log: log.display().to_string(),
+        operator: header.run.operator.clone(),
+        scenario: Some(header.scenario.clone()),
+        a: Err(String::new()),
+        b: Err(String::new()),
+        diff: None,
+    };
+    let arms = (Arm::new(log, &header, a, mode), Arm::new(log, &header, b, mode));
+    let (arm_a, arm_b) = match arms {
+        (Ok(a), Ok(b)) => (a, b),
+        (a, b) => {
+            // One arm that cannot run leaves nothing to compare the other with.
+            let why = |arm: Result<Arm>| Err(arm.err().map_or_else(|| "not run: the other arm failed".to_owned(), |error| format!("{error:#}")));
+            (pair.a, pair.b) = (why(a), why(b));
+            return Ok(pair);
+        }
+    };
+    let (a, b, diff) = walk(&header, arm_a, arm_b);
+    let text = |result: Result<Measured>| result.map_err(|error| format!("{error:#}"));
+    (pair.a, pair.b) = (text(a), text(b));
+    pair.diff = Some(diff.map_err(|error| format!("{error:#}")));
+    Ok(pair)
+}
+
+fn walk(header: &Header, a: Arm, b: Arm) -> (Result<Measured>, Result<Measured>, Result<Diff>) {
+    let (a, b) = (Side::new(header, a), Side::new(header, b));
+    let start = header.run.start;
+    let diff = compare::diff::<anyhow::Error>(
+        &Tolerances::exact(),
+        (start, || a.next_event()),
+        (start, || b.next_event()),
+    );
+    (a.finish(), b.finish(), diff)
+}
+
+/// An arm with its meter.
+struct Side {
+    arm: RefCell<Arm>,
+    meter: RefCell<Meter>,
+    failed: RefCell<Option<anyhow::Error>>,
+}
+
+impl Side {
+    fn new(header: &Header, arm: Arm) -> Side {
+        Side {
+            arm: RefCell::new(arm),
+            meter: RefCell::new(Meter::new(header)),
+            failed: RefCell::new(None),
+        }
+    }
+
+    /// The next event. A failure ends this side alone: the other is measured to its end.
+    fn next_event(&self) -> Result<Option<Stamped<Event>>> {
+        match self.arm.borrow_mut().next_event() {
+            Ok(Some(event)) => {
+                self.meter.borrow_mut().observe(&event);
+                Ok(Some(event))
+            }
+            Ok(None) => Ok(None),
+            Err(error) => {
+                *self.failed.borrow_mut() = Some(error);
+                Ok(None)
+            }
+        }
+    }
+
+    fn finish(self) -> Result<Measured> {
+        if let Some(error) = self.failed.into_inner() {
+            return Err(error);
+        }
+        self.arm.into_inner().damage().context("only part of the log could be replayed")?;
+        Ok(self.meter.into_inner().finish()?)
+    }
+}

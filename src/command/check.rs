@@ -1,0 +1,138 @@
+//! `tandem check`: every fixture against its golden result.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result};
+use clap::Args;
+use compare::golden::{self, Golden, Problem};
+use compare::{Diff, Tolerances};
+use serde::Serialize;
+
+use crate::cli::Common;
+use crate::fixture::{self, Fixture, Today};
+use crate::status::Status;
+use crate::{fleet, logs, output};
+
+/// Replay every fixture with today's controller and compare it with its golden result.
+///
+/// A fixture is a folder with a recorded session, a `fixture.toml` that names the controller and
+/// the mode, and the golden result that was once approved. The controller runs with the defaults
+/// of this build, so a changed default shows up here.
+#[derive(Args)]
+#[command(after_help = "\
+Exit status: 1 when a fixture gives something else than its golden result.
+If the change is meant: tandem approve --reason TEXT")]
+pub struct Check {
+    /// Folder of fixtures, or one fixture
+    #[arg(value_name = "DIR", default_value = "fixtures")]
+    folder: PathBuf,
+}
+
+#[derive(Serialize)]
+struct Report {
+    ok: bool,
+    problems: Vec<Problem>,
+    fixtures: Vec<Checked>,
+}
+
+#[derive(Serialize)]
+struct Checked {
+    fixture: String,
+    ok: bool,
+    steps: u64,
+    output_hash: Option<String>,
+}
+
+impl Check {
+    pub fn run(&self, common: &Common) -> Result<Status> {
+        let fixtures = fixture::find(&self.folder)?;
+        let folders: Vec<PathBuf> =
+            fixtures.iter().map(|fixture| fixture.folder.clone()).collect();
+        let results = fleet::each_log(common, &folders, "checking", |folder| {
+            let fixture = fixtures.iter().find(|fixture| fixture.folder == *folder);
+            fixture.context("fixture vanished").and_then(check)
+        });
+        let mut report = Report { ok: true, problems: Vec::new(), fixtures: Vec::new() };
+        for (folder, result) in folders.iter().zip(results) {
+            let fixture = folder.display().to_string();
+            let (problems, today) = result.unwrap_or_else(|error| {
+                let problem = Problem {
+                    at: fixture.clone(),
+                    what: format!("{error:#}"),
+                    remedy: "restore the fixture, or make it again: fixtures/README.md".to_owned(),
+                };
+                (vec![problem], None)
+            });
+            report.ok &= problems.is_empty();
+            report.fixtures.push(Checked {
+                fixture,
+                ok: problems.is_empty(),
+                steps: today.as_ref().map_or(0, |golden| golden.steps),
+                output_hash: today.map(|golden| golden.output_hash),
+            });
+            report.problems.extend(problems);
+        }
+        output::print(common, &report, text)?;
+        Ok(if report.ok { Status::Done } else { Status::Differs })
+    }
+}
+
+fn check(fixture: &Fixture) -> Result<(Vec<Problem>, Option<Golden>)> {
+    let today = fixture.replay()?;
+    let name = fixture.folder.display().to_string();
+    let path = fixture.golden_toml();
+    let path_name = || path.display().to_string();
+    let problems = if path.is_file() {
+        let text = fs::read_to_string(&path).with_context(path_name)?;
+        let golden = Golden::from_toml(&text).with_context(path_name)?;
+        match diff(fixture, &today) {
+            Ok(diff) => golden::check(&name, &golden, &today.golden, Some(&diff)),
+            Err(error) => {
+                let mut problems = golden::check(&name, &golden, &today.golden, None);
+                problems.push(Problem {
+                    at: name.clone(),
+                    what: format!("the golden run cannot be read: {error:#}"),
+                    remedy: format!(
+                        "restore golden.mcap, or write it anew: tandem approve {name} --reason TEXT"
+                    ),
+                });
+                problems
+            }
+        }
+    } else {
+        vec![Problem {
+            at: name.clone(),
+            what: "there is no golden result yet (golden.toml)".to_owned(),
+            remedy: format!("look at the session, then: tandem approve {name} --reason TEXT"),
+        }]
+    };
+    Ok((problems, Some(today.golden)))
+}
+
+/// The golden run (A) against today's (B).
+fn diff(fixture: &Fixture, today: &Today) -> Result<Diff> {
+    let path = fixture.golden_mcap();
+    let mut golden = logs::open(&path)?;
+    let start = golden.header().run.start;
+    let mut events = today.events.iter().cloned();
+    compare::diff::<anyhow::Error>(
+        &Tolerances::exact(),
+        (start, || golden.next_event().with_context(|| path.display().to_string())),
+        (today.header.run.start, || Ok(events.next())),
+    )
+}
+
+fn text(report: &Report) -> String {
+    let mut text = String::new();
+    for fixture in &report.fixtures {
+        let mark = if fixture.ok { "ok      " } else { "DIFFERS " };
+        let _ = writeln!(text, "{mark} {} ({} steps)", fixture.fixture, fixture.steps);
+    }
+    for problem in &report.problems {
+        let _ = writeln!(text, "\n{}: {}", problem.at, problem.what);
+        let _ = writeln!(text, "  {}", problem.remedy);
+    }
+    text
+}

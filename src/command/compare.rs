@@ -1,0 +1,115 @@
+//! `tandem compare`: two controllers on the same recorded human behaviour.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ::compare::{Comparison, LogPair, Question, Verdict, report};
+use anyhow::{Context as _, Result};
+use clap::Args;
+use replay::Mode;
+
+use crate::cli::Common;
+use crate::command::replay::{HumanName, ModeName};
+use crate::controller_choice::ControllerChoice;
+use crate::status::Status;
+use crate::{arm, fleet, logs, output};
+
+/// Compare two controllers on the same recorded human behaviour.
+///
+/// Each log is replayed into both. In closed loop (the default here) both arms are simulated, with
+/// the same person and the same noise; metrics are paired per log, and uncertainty is over logs.
+#[derive(Args)]
+#[command(after_help = "\
+Example:
+  tandem compare --a paper-kinematic --b tandem-kinematic logs/*.mcap --report report/
+
+Exit status: 0 better, worse or same; 1 failed; 3 undecided.")]
+pub struct Compare {
+    /// The controller to compare with
+    #[arg(long, value_name = "C")]
+    pub a: ControllerChoice,
+    /// The controller that is judged
+    #[arg(long, value_name = "C")]
+    pub b: ControllerChoice,
+    /// The logs
+    #[arg(required = true, value_name = "LOG")]
+    pub logs: Vec<PathBuf>,
+    /// Open loop (recorded sensors) or closed loop (recorded person, simulated robot)
+    #[arg(long, value_enum, default_value_t = ModeName::Closed)]
+    pub mode: ModeName,
+    /// How the recorded person is brought back in closed loop
+    #[arg(long, value_enum, default_value_t = HumanName::Playback)]
+    pub human: HumanName,
+    /// Write the report into this folder: report.html, report.md, report.json
+    #[arg(long, value_name = "DIR")]
+    pub report: Option<PathBuf>,
+}
+
+impl Compare {
+    pub fn run(&self, common: &Common) -> Result<Status> {
+        let comparison = self.compare(common)?;
+        output::print(common, &comparison, report::terminal)?;
+        Ok(match comparison.verdict {
+            Verdict::Better | Verdict::Worse | Verdict::Same => Status::Done,
+            Verdict::Failed => Status::Differs,
+            Verdict::Undecided => Status::Undecided,
+        })
+    }
+
+    /// Compares and writes the report, without telling; also the way in for `demo`.
+    pub fn compare(&self, common: &Common) -> Result<Comparison> {
+        let mode = self.mode.with(self.human);
+        let reports = match &self.report {
+            None => Vec::new(),
+            Some(folder) => report_files(folder, common.force)?,
+        };
+        let results = fleet::each_log(common, &self.logs, "comparing", |log| {
+            arm::pair(log, (&self.a, &self.b), mode)
+        });
+        let pairs: Vec<LogPair> = self
+            .logs
+            .iter()
+            .zip(results)
+            .map(|(log, result)| {
+                result.unwrap_or_else(|error| LogPair {
+                    log: log.display().to_string(),
+                    operator: String::new(),
+                    scenario: None,
+                    a: Err(format!("{error:#}")),
+                    b: Err(format!("{error:#}")),
+                    diff: None,
+                })
+            })
+            .collect();
+        let question = Question {
+            a: self.a.label().to_owned(),
+            b: self.b.label().to_owned(),
+            mode: mode.name().to_owned(),
+            human: match mode {
+                Mode::Open => Vec::new(),
+                Mode::Closed(person) => vec![person.name().to_owned()],
+            },
+        };
+        let mut comparison = ::compare::compare(&question, pairs)?;
+        comparison.report = reports.iter().map(|path| path.display().to_string()).collect();
+        for path in &reports {
+            let text = match path.extension().and_then(|extension| extension.to_str()) {
+                Some("html") => report::html(&comparison)?,
+                Some("md") => report::markdown(&comparison),
+                _ => report::json(&comparison)?,
+            };
+            fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        }
+        Ok(comparison)
+    }
+}
+
+/// The files of a report, checked before the work begins rather than after it.
+fn report_files(folder: &Path, force: bool) -> Result<Vec<PathBuf>> {
+    let files: Vec<PathBuf> =
+        ["report.html", "report.md", "report.json"].iter().map(|name| folder.join(name)).collect();
+    for file in &files {
+        logs::guard(file, force)?;
+    }
+    Ok(files)
+}

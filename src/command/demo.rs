@@ -1,0 +1,203 @@
+//! `tandem demo`: the whole story in a minute.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, bail, ensure};
+use clap::Args;
+use compare::Comparison;
+use replay::Mode;
+use schemas::log::LogReader;
+use serde::Serialize;
+
+use crate::cli::Common;
+use crate::command::compare::Compare;
+use crate::command::record::Record;
+use crate::command::replay::{HumanName, ModeName};
+use crate::controller_choice::ControllerChoice;
+use crate::status::Status;
+use crate::{fleet, interrupt, logs, output};
+
+/// Where everything goes.
+const FOLDER: &str = "tandem-demo";
+
+/// Kinds of random rooms and people, and how many sessions of each.
+const KINDS: [&str; 6] = [
+    "rect:goal",
+    "rect:joystick",
+    "slant:goal",
+    "slant:joystick",
+    "disc:goal",
+    "disc:joystick",
+];
+const SESSIONS_OF_EACH_KIND: u32 = 4;
+
+/// The whole story in a minute: record, replay, compare, and where to look.
+///
+/// Writes into `tandem-demo/`, and makes that folder anew each time.
+#[derive(Args)]
+#[command(after_help = "Exit status: 1 when a replay is not the recording, bit for bit.")]
+pub struct Demo {}
+
+#[derive(Serialize)]
+struct Story {
+    folder: String,
+    replays: Vec<ReplayedLine>,
+    comparisons: Vec<ComparedLine>,
+}
+
+#[derive(Serialize)]
+struct ReplayedLine {
+    log: String,
+    mode: &'static str,
+    steps: u64,
+    engaged_steps: u64,
+    identical_to_recorded: bool,
+    output_hash: String,
+}
+
+#[derive(Serialize)]
+struct ComparedLine {
+    recorded_with: &'static str,
+    comparison: Comparison,
+}
+
+impl Demo {
+    pub fn run(&self, common: &Common) -> Result<Status> {
+        let folder = Path::new(FOLDER);
+        prepare(folder)?;
+        let quiet = Common { force: true, quiet: true, ..common.clone() };
+
+        output::say(common, "1. Record: the paper's first experiment, and random rooms with other people.");
+        let lab = folder.join("case1-lab.mcap");
+        record(&quiet, "case1-lab", "tandem-kinematic", &lab)?;
+        let mut fleets = Vec::new();
+        for recorded_with in ["human", "paper-kinematic"] {
+            let logs = record_fleet(common, &quiet, folder, recorded_with)?;
+            fleets.push((recorded_with, logs));
+        }
+
+        output::say(common, "2. Replay: with the controller that recorded it, a log comes back bit for bit.");
+        let replays = [ModeName::Open, ModeName::Closed]
+            .map(|mode| replay(&lab, mode.with(HumanName::Playback)))
+            .into_iter()
+            .collect::<Result<Vec<_>>>()?;
+        for line in &replays {
+            let verdict = if line.identical_to_recorded { "identical" } else { "NOT IDENTICAL" };
+            output::say(
+                common,
+                &format!("   {:6} loop: {} steps, {verdict}, hash {:.16}…", line.mode, line.steps, line.output_hash),
+            );
+        }
+
+        output::say(common, "3. Compare: the law as printed against the corrected one, on the same people.");
+        let mut comparisons = Vec::new();
+        for (recorded_with, logs) in fleets {
+            let compare = Compare {
+                a: "paper-kinematic".parse()?,
+                b: "tandem-kinematic".parse()?,
+                logs,
+                mode: ModeName::Closed,
+                human: HumanName::Playback,
+                report: Some(folder.join(format!("report-{recorded_with}"))),
+            };
+            comparisons.push(ComparedLine { recorded_with, comparison: compare.compare(&quiet)? });
+        }
+
+        let identical = replays.iter().all(|line| line.identical_to_recorded);
+        let story = Story { folder: FOLDER.to_owned(), replays, comparisons };
+        output::print(common, &story, text)?;
+        Ok(if identical { Status::Done } else { Status::Differs })
+    }
+}
+
+/// Makes the folder anew, but never removes anything that a demo did not make.
+fn prepare(folder: &Path) -> Result<()> {
+    let marker = folder.join(".made-by-tandem-demo");
+    let name = || folder.display().to_string();
+    if folder.exists() {
+        ensure!(
+            marker.exists(),
+            "{FOLDER} exists and was not made by a demo; move it away, or run the demo elsewhere"
+        );
+        fs::remove_dir_all(folder).with_context(name)?;
+    }
+    fs::create_dir_all(folder).with_context(name)?;
+    fs::write(&marker, "").with_context(name)
+}
+
+fn record(common: &Common, scenario: &str, controller: &str, log: &Path) -> Result<()> {
+    if interrupt::pressed() {
+        bail!("interrupted");
+    }
+    Record {
+        from: "sim".to_owned(),
+        scenario: scenario.to_owned(),
+        controller: controller.parse::<ControllerChoice>()?,
+        driver: None,
+        sensors: None,
+        seed: 0,
+        duration: None,
+        operator: String::new(),
+        note: "recorded by tandem demo".to_owned(),
+        realtime: false,
+        no_view: false,
+        output: log.to_owned(),
+    }
+    .record(common)?;
+    Ok(())
+}
+
+fn record_fleet(
+    common: &Common,
+    quiet: &Common,
+    folder: &Path,
+    controller: &str,
+) -> Result<Vec<PathBuf>> {
+    let folder = folder.join(format!("recorded-with-{controller}"));
+    let mut scenarios = Vec::new();
+    for kind in KINDS {
+        for number in 1..=SESSIONS_OF_EACH_KIND {
+            scenarios.push(PathBuf::from(format!("random:{kind}:{number}")));
+        }
+    }
+    let label = format!("recording with {controller}");
+    let results = fleet::each_log(common, &scenarios, &label, |scenario| {
+        let scenario = scenario.to_string_lossy();
+        let log = folder.join(format!("{}.mcap", scenario.replace(':', "-")));
+        record(quiet, &scenario, controller, &log)?;
+        Ok(log)
+    });
+    results.into_iter().collect()
+}
+
+fn replay(log: &Path, mode: Mode) -> Result<ReplayedLine> {
+    let header = LogReader::open(log)?.header().clone();
+    let spec = ControllerChoice::Recorded.for_log(&header)?;
+    let mut replay = replay::Replay::new(|| logs::open_raw(log), &spec, mode)?;
+    while replay.next_event().is_some() {}
+    let outcome = replay.finish()?;
+    Ok(ReplayedLine {
+        log: log.display().to_string(),
+        mode: mode.name(),
+        steps: outcome.steps,
+        engaged_steps: outcome.engaged_steps,
+        identical_to_recorded: outcome.identical_to_recorded,
+        output_hash: outcome.output_hash,
+    })
+}
+
+fn text(story: &Story) -> String {
+    let mut text = String::new();
+    for line in &story.comparisons {
+        text += &format!("\n── people recorded with `{}` ──\n\n", line.recorded_with);
+        text += &compare::report::terminal(&line.comparison);
+    }
+    text += &format!(
+        "\nLook at it:\n  a page to read     {0}/report-human/report.html\n  a log to watch     \
+         {0}/case1-lab.mcap (open in Foxglove; the layout is attached)\n\nTry your own:\n  tandem compare --a \
+         tandem-kinematic --b tandem-kinematic:gamma3=4 {0}/recorded-with-human/*.mcap\n",
+        story.folder
+    );
+    text
+}

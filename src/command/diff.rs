@@ -1,0 +1,58 @@
+//! `tandem diff`: what differs between two runs.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, Result};
+use clap::Args;
+use compare::{Tolerances, report};
+
+use crate::cli::Common;
+use crate::status::Status;
+use crate::{logs, output};
+
+/// What differs between two runs, field by field, and what differed first.
+///
+/// Steps and commands of the two logs are paired by time. The first cause is the earliest stage of
+/// the controller's data flow that differs at the earliest time: input, estimate, distances,
+/// reference, law, sharing, command.
+#[derive(Args)]
+#[command(after_help = "\
+Example:
+  tandem replay session.mcap --controller paper-kinematic -o paper.mcap
+  tandem diff session.mcap paper.mcap
+
+Exit status: 1 when the runs differ.")]
+pub struct Diff {
+    /// One run
+    #[arg(value_name = "RUN_A")]
+    a: PathBuf,
+    /// The other
+    #[arg(value_name = "RUN_B")]
+    b: PathBuf,
+    /// TOML file with an absolute and a relative tolerance per field [default: exact]
+    #[arg(long, value_name = "FILE")]
+    tolerance: Option<PathBuf>,
+}
+
+impl Diff {
+    pub fn run(&self, common: &Common) -> Result<Status> {
+        let tolerances = match &self.tolerance {
+            None => Tolerances::exact(),
+            Some(file) => {
+                let text = fs::read_to_string(file)
+                    .with_context(|| format!("cannot read tolerances {}", file.display()))?;
+                Tolerances::from_toml(&text).with_context(|| file.display().to_string())?
+            }
+        };
+        let (mut a, mut b) = (logs::open(&self.a)?, logs::open(&self.b)?);
+        let starts = (a.header().run.start, b.header().run.start);
+        let diff = compare::diff::<anyhow::Error>(
+            &tolerances,
+            (starts.0, || a.next_event().with_context(|| self.a.display().to_string())),
+            (starts.1, || b.next_event().with_context(|| self.b.display().to_string())),
+        )?;
+        output::print(common, &diff, report::diff_text)?;
+        Ok(if diff.same { Status::Done } else { Status::Differs })
+    }
+}

@@ -1,0 +1,217 @@
+//! `tandem record`: a session into a log.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, anyhow, bail};
+use clap::{Args, ValueEnum};
+use controller::{Runner, Setup};
+use recorder::{Pace, RecordError, Recorded};
+use schemas::log::WriterOptions;
+use schemas::{Driver, RunInfo, SIMULATION_EPOCH, Scenario, SensorSuite, Span};
+use simulator::{Simulation, SimulationSetup};
+
+use crate::cli::{Common, Format};
+use crate::command::info;
+use crate::controller_choice::ControllerChoice;
+use crate::status::Status;
+use crate::{interrupt, logs, output};
+
+/// Record a session into a log.
+///
+/// The simulated robot is driven by a scripted person and the chosen controller together. Every
+/// sensor reading, joystick sample and controller step goes into an MCAP file that opens in
+/// Foxglove with a picture, and that `tandem replay` can bring back.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  tandem record -o session.mcap
+  tandem record --scenario random:disc:goal:7 --controller human --seed 3 -o h7.mcap
+  tandem record --controller tandem-kinematic:gamma3=2.5 --sensors exact -o try.mcap")]
+pub struct Record {
+    /// Where the session happens: `sim`, the simulation
+    #[arg(long, default_value = "sim", value_name = "SOURCE")]
+    pub from: String,
+    /// Scenario by name (see `tandem scenarios`), `random:…`, or a TOML file
+    #[arg(long, default_value = "case1-lab", value_name = "S")]
+    pub scenario: String,
+    /// Controller that shares the robot (see `tandem controllers`)
+    #[arg(long, default_value = "tandem-kinematic", value_name = "C")]
+    pub controller: ControllerChoice,
+    /// Who steers [default: the scenario's]
+    #[arg(long, value_enum)]
+    pub driver: Option<DriverName>,
+    /// Sensor suite [default: the scenario's]
+    #[arg(long, value_enum)]
+    pub sensors: Option<SensorsName>,
+    /// Seed of sensor, hand and actuator noise
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub seed: u64,
+    /// How long, in seconds [default: the scenario's]
+    #[arg(long, value_name = "SECONDS", value_parser = positive_seconds)]
+    pub duration: Option<f64>,
+    /// Who was driving, for statistics over people
+    #[arg(long, default_value = "", value_name = "NAME", hide_default_value = true)]
+    pub operator: String,
+    /// Anything worth remembering about the session
+    #[arg(long, default_value = "", value_name = "TEXT", hide_default_value = true)]
+    pub note: String,
+    /// Run no faster than the clock
+    #[arg(long)]
+    pub realtime: bool,
+    /// Leave out the topics that are for viewers only (/tf, /pose, /scene, …): a smaller log
+    #[arg(long)]
+    pub no_view: bool,
+    /// The log to write
+    #[arg(long, short, value_name = "LOG")]
+    pub output: PathBuf,
+}
+
+/// `--driver`.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum DriverName {
+    /// Pursues the task's target
+    Goal,
+    /// Plays the scenario's joystick script
+    Script,
+    /// Moves the joystick freely, at random
+    Joystick,
+}
+
+/// `--sensors`.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum SensorsName {
+    /// Exact rays from the true pose
+    Exact,
+    /// Sixteen sonars, IMU and encoders
+    Sonar,
+}
+
+fn positive_seconds(text: &str) -> Result<f64, String> {
+    match text.trim_end_matches('s').parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("expected a positive number of seconds".to_owned()),
+    }
+}
+
+impl Record {
+    pub fn run(&self, common: &Common) -> Result<Status> {
+        if self.from != "sim" {
+            bail!("source `{}` is not supported by this version: only `sim` is", self.from);
+        }
+        let recorded = self.record(common)?;
+        let log = schemas::log::inspect(&self.output)
+            .with_context(|| self.output.display().to_string())?;
+        if common.format == Format::Json {
+            info::print(common, &self.output, &log)?;
+        } else {
+            output::say(
+                common,
+                &format!(
+                    "{}: {:.1} s, {} steps, feedback drove in {}{}",
+                    self.output.display(),
+                    log.duration_s,
+                    recorded.steps,
+                    recorded.engaged_steps,
+                    if recorded.interrupted { " (interrupted; the log is whole)" } else { "" },
+                ),
+            );
+        }
+        Ok(Status::Done)
+    }
+
+    /// Records without telling; also the way in for `demo`.
+    pub fn record(&self, common: &Common) -> Result<Recorded> {
+        let mut scenario = scenario(&self.scenario)?;
+        if let Some(duration_s) = self.duration {
+            scenario.duration_s = duration_s;
+        }
+        let driver = self.driver.map_or(scenario.driver, |driver| match driver {
+            DriverName::Goal => Driver::Goal,
+            DriverName::Script => Driver::Script,
+            DriverName::Joystick => Driver::Joystick,
+        });
+        let sensors = self.sensors.map_or(scenario.sensors, |sensors| match sensors {
+            SensorsName::Exact => SensorSuite::Exact,
+            SensorsName::Sonar => SensorSuite::Sonar,
+        });
+        let spec = self.controller.for_scenario(&scenario)?;
+        let (start, duration) = (SIMULATION_EPOCH, Span::from_seconds(scenario.duration_s));
+        let human = simulator::driver(&scenario, driver, self.seed)?;
+
+        let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
+        let runner = Runner::new(&setup)?;
+        let period = runner.control_period();
+        let simulation = Simulation::new(
+            SimulationSetup {
+                scenario: scenario.clone(),
+                sensors,
+                seed: self.seed,
+                start,
+                control_period: period,
+                duration,
+            },
+            human,
+        )?;
+        let run = RunInfo {
+            seed: self.seed,
+            sensors: suite_name(sensors).to_owned(),
+            driver: driver_name(driver).to_owned(),
+            mode: "record".to_owned(),
+            operator: self.operator.clone(),
+            note: self.note.clone(),
+            ..RunInfo::default()
+        };
+        let header = logs::header(&spec, scenario, start, period, run);
+
+        logs::guard(&self.output, common.force)?;
+        let path = || self.output.display().to_string();
+        let options = WriterOptions { view: !self.no_view, ..WriterOptions::default() };
+        let log = schemas::log::create(&self.output, &header, &options).with_context(path)?;
+
+        let bar = output::bar(
+            common,
+            duration.0 / 1_000_000,
+            "recording",
+            "{msg} {bar:30} {percent}% {eta}",
+        );
+        let pace = self.realtime.then(|| Pace::new(start));
+        let recorded = recorder::record(simulation, runner, log, |at| {
+            if let Some(pace) = &pace {
+                pace.wait_for(at);
+            }
+            bar.set_position(at.0.saturating_sub(start.0) / 1_000_000);
+            !interrupt::pressed()
+        });
+        bar.finish_and_clear();
+        recorded.map_err(|error| match error {
+            RecordError::Log(error) => anyhow!(error).context(path()),
+            RecordError::Source(never) => match never {},
+        })
+    }
+}
+
+/// A scenario by name, or from a TOML file.
+pub fn scenario(name: &str) -> Result<Scenario> {
+    if Path::new(name).extension().is_some_and(|extension| extension == "toml") {
+        let text = fs::read_to_string(name)
+            .with_context(|| format!("cannot read scenario {name}"))?;
+        return Scenario::from_toml(&text).with_context(|| format!("scenario {name}"));
+    }
+    Ok(simulator::scenario(name)?)
+}
+
+fn suite_name(sensors: SensorSuite) -> &'static str {
+    match sensors {
+        SensorSuite::Exact => "exact",
+        SensorSuite::Sonar => "sonar",
+    }
+}
+
+fn driver_name(driver: Driver) -> &'static str {
+    match driver {
+        Driver::Goal => "goal",
+        Driver::Script => "script",
+        Driver::Joystick => "joystick",
+    }
+}

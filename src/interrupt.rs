@@ -1,0 +1,24 @@
+//! Ctrl-C: what is under way ends cleanly, files are finished, and nothing new begins.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Notes Ctrl-C (and a request to terminate) instead of dying of it. A second one ends the program
+/// at once, in case the clean end hangs.
+pub fn install() {
+    let installed = ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+        eprintln!("\ninterrupted: finishing what is open (again to stop at once)");
+    });
+    if let Err(error) = installed {
+        eprintln!("warning: Ctrl-C will not end this run cleanly: {error}");
+    }
+}
+
+/// Whether Ctrl-C was pressed.
+pub fn pressed() -> bool {
+    INTERRUPTED.load(Ordering::Relaxed)
+}
