@@ -10,7 +10,8 @@ fn git(arguments: &[&str]) -> Option<String> {
 fn main() {
     // Without git, or outside a checkout, the commit is unknown and that is what logs will say.
     let commit = git(&["rev-parse", "HEAD"]).unwrap_or_default();
-    let dirty = git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|s| !s.is_empty());
+    let dirty =
+        git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|s| !s.is_empty());
     println!("cargo:rustc-env=TANDEM_COMMIT={commit}");
     println!("cargo:rustc-env=TANDEM_DIRTY={dirty}");
     for path in ["HEAD", "index"] {

@@ -5,7 +5,10 @@ use std::{env, error::Error, fs, path::PathBuf};
 
 use prost::Message as _;
 
-#[expect(clippy::disallowed_methods, reason = "the environment tells a build script where to write")]
+#[expect(
+    clippy::disallowed_methods,
+    reason = "the environment tells a build script where to write"
+)]
 fn main() -> Result<(), Box<dyn Error>> {
     let root = PathBuf::from("proto");
     let mut files: Vec<PathBuf> = fs::read_dir(root.join("tandem/v1"))?

@@ -11,6 +11,7 @@
 mod command;
 mod event;
 mod gap;
+pub mod log;
 mod motion;
 mod robot;
 mod run;
@@ -19,7 +20,6 @@ mod scenario;
 mod step;
 mod time;
 mod truth;
-pub mod log;
 pub mod view;
 mod wire;
 mod world;
@@ -37,9 +37,7 @@ pub use scenario::{
     Driver, EncoderNoise, GoalDriver, ImuNoise, JoystickNoise, Noise, Overrides, Person, Plant,
     Robot, Scenario, ScenarioError, SensorSuite, SonarNoise, Start, Stroke, Task,
 };
-pub use step::{
-    Field, FrameSource, LawBranch, Node, Reason, ReferenceSource, Region, Step, Value,
-};
+pub use step::{Field, FrameSource, LawBranch, Node, Reason, ReferenceSource, Region, Step, Value};
 pub use time::{NS_PER_S, SIMULATION_EPOCH, Span, Stamped, Time};
 pub use truth::{Disc, Truth};
 pub use world::{HalfPlane, MovingDisc, NearestFace, Obstacle, World};

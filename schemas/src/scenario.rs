@@ -354,12 +354,8 @@ impl Scenario {
             }
         }
         let plant = &self.plant;
-        let limits = [
-            plant.v_max_mps,
-            plant.omega_max_radps,
-            plant.accel_max_mps2,
-            plant.alpha_max_radps2,
-        ];
+        let limits =
+            [plant.v_max_mps, plant.omega_max_radps, plant.accel_max_mps2, plant.alpha_max_radps2];
         if limits.iter().any(|limit| limit.is_nan() || *limit <= 0.0) {
             return bad("plant limits must be positive");
         }
@@ -384,7 +380,7 @@ impl Scenario {
 #[derive(Debug, thiserror::Error)]
 pub enum ScenarioError {
     /// Not TOML, or not a scenario's keys.
-    #[error("{0}")]
+    #[error(transparent)]
     Toml(#[from] toml::de::Error),
     /// A value out of range.
     #[error("{0}")]

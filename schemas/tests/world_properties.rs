@@ -241,6 +241,22 @@ proptest! {
         );
     }
 
+    /// A rectangle is the same turned by half a turn, and by a quarter with length and width
+    /// exchanged.
+    #[test]
+    fn a_body_looks_the_same_from_behind(
+        world in world(), at_m in place(), theta_rad in -9.0..9.0, body in body(),
+    ) {
+        let clearance = |body: &Footprint, turn_rad: f64| {
+            let pose = Pose { theta_rad: theta_rad + turn_rad, ..point(at_m) };
+            world.clearance_m(body, &pose, TIME_S)
+        };
+        let wanted_m = clearance(&body, 0.0);
+        let across = Footprint { length_m: body.width_m, width_m: body.length_m };
+        prop_assert!(close(clearance(&body, PI), wanted_m, 1e-9));
+        prop_assert!(close(clearance(&across, PI / 2.0), wanted_m, 1e-9));
+    }
+
     /// The depth of a contact is the shortest shift that undoes it: no shorter one does, and one of
     /// that length does.
     #[test]

@@ -10,7 +10,7 @@ use super::Topic;
 #[derive(Debug, thiserror::Error)]
 pub enum LogError {
     /// The file system refused.
-    #[error("{0}")]
+    #[error(transparent)]
     Io(#[from] io::Error),
     /// The bytes are something else.
     #[error("not an MCAP file: {0}; give a log made by `tandem record` or `tandem replay`")]

@@ -61,7 +61,7 @@ mod tests {
         assert_eq!(y_m(&WALKER, 50.0), 4.0);
         let pacing = MovingDisc { to_and_fro: true, ..WALKER };
         assert_eq!(y_m(&pacing, 3.0), 3.0);
-        assert_eq!(y_m(&pacing, 7.0), 3.0);
+        assert_eq!(y_m(&pacing, 8.0), 2.5);
         assert_eq!(y_m(&pacing, 9.0), 2.0);
         assert_eq!(y_m(&pacing, 11.0), 3.0);
     }
