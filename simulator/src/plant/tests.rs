@@ -112,6 +112,9 @@ fn constant_accelerations() {
     assert!(apart_m(plant.pose(), wanted) < 1e-9);
     let twist = plant.twist();
     assert!((twist.v_mps - 0.58).abs() < 1e-12 && (twist.omega_radps - 1.3).abs() < 1e-12);
+    // v0 t + u1 t²/2, and likewise for the turn.
+    let (travelled_m, turned_rad) = plant.wheel_travel();
+    assert!((travelled_m - 0.408).abs() < 1e-12 && (turned_rad - 0.48).abs() < 1e-12);
 }
 
 /// Accelerations are clipped, and speeds stop at their limits exactly, each when it gets there.

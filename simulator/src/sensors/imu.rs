@@ -102,22 +102,43 @@ mod tests {
         assert!((sample.accel_mps2[0] - 2.0).abs() < 1e-9);
     }
 
-    /// Bias and deviations as configured, within five standard errors over 10,000 samples.
+    /// Bias and deviations of all nine axes as configured, and no two axes correlated, within five
+    /// standard errors over 10,000 samples.
     #[test]
     fn noise_has_the_size_asked_for() {
         let noise = ImuNoise::default();
-        let mut imu = Imu::new(Some(noise), 11);
         let plant = turning();
-        let n = 10_000;
-        let (mut sum, mut squares) = (0.0, 0.0);
-        for i in 0..n {
-            let error = imu.sample(i, SIMULATION_EPOCH, i as f64, &plant).gyro_radps[2] - 0.5;
-            sum += error;
-            squares += (error - noise.gyro_bias_radps) * (error - noise.gyro_bias_radps);
+        let perfect = Imu::new(None, 0).sample(0, SIMULATION_EPOCH, 0.0, &plant);
+        let axes = |sample: &ImuSample| -> Vec<f64> {
+            [sample.gyro_radps, sample.accel_mps2, sample.mag_ut].concat()
+        };
+        let mut bias = [0.0; 9];
+        bias[2] = noise.gyro_bias_radps;
+        let sigmas =
+            [[noise.gyro_sigma_radps; 3], [noise.accel_sigma_mps2; 3], [noise.mag_sigma_ut; 3]]
+                .concat();
+        let mut imu = Imu::new(Some(noise), 11);
+        let count = 10_000;
+        let mut sums = [0.0; 9];
+        let mut products = [[0.0; 9]; 9];
+        for i in 0..count {
+            let sample = imu.sample(i, SIMULATION_EPOCH, i as f64, &plant);
+            let errors: Vec<f64> = (0..9)
+                .map(|k| (axes(&sample)[k] - axes(&perfect)[k] - bias[k]) / sigmas[k])
+                .collect();
+            for ((sum, row), error) in sums.iter_mut().zip(&mut products).zip(&errors) {
+                *sum += error;
+                row.iter_mut().zip(&errors).for_each(|(product, other)| *product += error * other);
+            }
         }
-        let n = n as f64;
-        let sigma = noise.gyro_sigma_radps;
-        assert!((sum / n - noise.gyro_bias_radps).abs() < 5.0 * sigma / libm::sqrt(n));
-        assert!((libm::sqrt(squares / n) / sigma - 1.0).abs() < 5.0 / libm::sqrt(2.0 * n));
+        let n = count as f64;
+        assert!(sums.iter().all(|sum| (sum / n).abs() < 5.0 / libm::sqrt(n)), "{sums:?}");
+        for (k, row) in products.iter().enumerate() {
+            for (l, product) in row.iter().enumerate() {
+                let wanted = if k == l { 1.0 } else { 0.0 };
+                let bound = 5.0 * libm::sqrt((1.0 + wanted) / n);
+                assert!((product / n - wanted).abs() < bound, "axes {k} and {l}");
+            }
+        }
     }
 }

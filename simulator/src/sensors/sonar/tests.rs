@@ -126,18 +126,79 @@ fn convex_corner() {
     assert_eq!(hear(vec![corner_at(1.0)], 0.0), None);
     assert!(hear(vec![corner_at(1.0)], 1.0).is_some_and(|range_m| close(range_m, 1.0)));
     assert_eq!(hear(vec![corner_at(1.25)], 1.0), None);
-    // A plate 0.3 m ahead, square to the axis: it echoes itself and hides the corner.
-    let [x, y] = ahead(0.3);
-    let plate = Obstacle {
-        corners_m: vec![
-            [x + 0.1 * sin, y - 0.1 * cos],
-            [x + 0.05 * cos + 0.1 * sin, y + 0.05 * sin - 0.1 * cos],
-            [x + 0.05 * cos - 0.1 * sin, y + 0.05 * sin + 0.1 * cos],
-            [x - 0.1 * sin, y + 0.1 * cos],
-        ],
+    // Within reach but 15° off the axis: outside the cone.
+    let (sin25, cos25) = libm::sincos(25_f64.to_radians());
+    let aside = Obstacle {
+        corners_m: [[0.8, 0.0], [1.2, 0.1], [1.2, 0.6]]
+            .map(|[far, left]| {
+                [0.245 + far * cos25 - left * sin25, 0.027 + far * sin25 + left * cos25]
+            })
+            .to_vec(),
     };
-    let range_m = hear(vec![corner_at(1.0), plate], 1.0).expect("the plate echoes");
-    assert!(close(range_m, 0.3));
+    assert_eq!(hear(vec![aside], 1.0), None);
+    // Behind a wall that is met at 50° to 70°, and so is silent itself.
+    let (sin70, cos70) = libm::sincos(70_f64.to_radians());
+    let [x, y] = ahead(0.6);
+    let hidden = World {
+        room: vec![HalfPlane { normal: [cos70, sin70], offset_m: x * cos70 + y * sin70 }],
+        obstacles: vec![corner_at(1.0)],
+        discs: Vec::new(),
+    };
+    let noise = SonarNoise { corner_echo: 1.0, ..HARD_OF_HEARING };
+    assert!(!sweep(&hidden, Some(noise), &HOME)[3].echo);
+}
+
+/// What is behind a sonar, or beside its cone, is not heard: boxes and discs alike.
+#[test]
+fn only_what_is_in_the_cone() {
+    let square = |x_m: f64, y_m: f64| Obstacle {
+        corners_m: vec![[x_m, y_m], [x_m + 0.4, y_m], [x_m + 0.4, y_m + 0.4], [x_m, y_m + 0.4]],
+    };
+    let disc = |x_m: f64, y_m: f64| MovingDisc {
+        radius_m: 0.2,
+        from_m: [x_m, y_m],
+        to_m: [x_m, y_m],
+        speed_mps: 0.0,
+        start_s: 0.0,
+        to_and_fro: false,
+    };
+    // The cone of id 3 opens from (0.245, 0.027), between 0° and 20°: at x = 1 between 0.03 and 0.3.
+    for world in [
+        World { obstacles: vec![square(-1.4, -0.2)], ..World::default() },
+        World { obstacles: vec![square(1.0, 0.6)], ..World::default() },
+        World { obstacles: vec![square(1.0, -0.6)], ..World::default() },
+        World { discs: vec![disc(-1.0, 0.0)], ..World::default() },
+        World { discs: vec![disc(1.0, 0.6)], ..World::default() },
+    ] {
+        for noise in [None, Some(HARD_OF_HEARING)] {
+            assert!(!sweep(&world, noise, &HOME)[3].echo, "{world:?}");
+        }
+    }
+}
+
+/// A disc that the cone only grazes is silent to a sonar with an incidence limit. The left edge of
+/// the cone of id 3 stands at 20°; the disc's centre is off it by R sin 50°, outwards.
+#[test]
+fn grazed_disc() {
+    let (sin, cos) = libm::sincos(20_f64.to_radians());
+    let off_m = 0.2 * libm::sin(50_f64.to_radians());
+    let centre_m = [0.245 + cos - off_m * sin, 0.027 + sin + off_m * cos];
+    let world = World {
+        discs: vec![MovingDisc {
+            radius_m: 0.2,
+            from_m: centre_m,
+            to_m: centre_m,
+            speed_mps: 0.0,
+            start_s: 0.0,
+            to_and_fro: false,
+        }],
+        ..World::default()
+    };
+    let wanted_m = 1.0 - 0.2 * libm::cos(50_f64.to_radians());
+    assert!(close(sweep(&world, None, &HOME)[3].range_m, wanted_m));
+    assert!(!sweep(&world, Some(HARD_OF_HEARING), &HOME)[3].echo);
+    let sharp = SonarNoise { incidence_limit_deg: 51.0, ..HARD_OF_HEARING };
+    assert!(close(sweep(&world, Some(sharp), &HOME)[3].range_m, wanted_m));
 }
 
 /// A walking disc is heard where it is at the time, at its nearest point.
@@ -150,13 +211,13 @@ fn moving_disc() {
             to_m: [1.245, 0.027],
             speed_mps: 0.5,
             start_s: 0.0,
-            to_and_fro: false,
+            to_and_fro: true,
         }],
         ..World::default()
     };
     for noise in [None, Some(HARD_OF_HEARING)] {
         let mut sonars = Sonars::new(&world, noise, 0);
-        for (t_s, wanted_m) in [(0.0, 1.8), (1.0, 1.3), (2.0, 0.8), (9.0, 0.8)] {
+        for (t_s, wanted_m) in [(0.0, 1.8), (1.0, 1.3), (2.0, 0.8), (3.0, 1.3)] {
             let echo = sonars.scan(3, SIMULATION_EPOCH, t_s, &HOME, &world).echoes[0];
             assert!(echo.echo && close(echo.range_m, wanted_m), "{echo:?}");
         }
