@@ -16,6 +16,8 @@ mod diff;
 mod error;
 pub mod golden;
 mod metrics;
+#[cfg(test)]
+mod properties;
 pub mod report;
 pub mod statistics;
 #[cfg(test)]

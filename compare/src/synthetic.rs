@@ -157,3 +157,31 @@ impl Run {
         self.measured().metrics.get(name)
     }
 }
+
+/// Old against new, closed loop.
+pub(crate) fn question() -> crate::Question {
+    crate::Question {
+        a: "old".to_owned(),
+        b: "new".to_owned(),
+        mode: "closed".to_owned(),
+        human: Vec::new(),
+    }
+}
+
+/// Both arms of a log, measured and compared.
+pub(crate) fn pair(log: &str, a: &Run, b: &Run) -> crate::LogPair {
+    let (mut next_a, mut next_b) = (a.events.iter().cloned(), b.events.iter().cloned());
+    let diff = crate::diff::<crate::CompareError>(
+        &crate::Tolerances::exact(),
+        (a.header.run.start, || Ok(next_a.next())),
+        (b.header.run.start, || Ok(next_b.next())),
+    );
+    crate::LogPair {
+        log: log.to_owned(),
+        operator: String::new(),
+        scenario: Some(a.header.scenario.clone()),
+        a: Ok(a.measured()),
+        b: Ok(b.measured()),
+        diff: Some(diff.map_err(|error| error.to_string())),
+    }
+}

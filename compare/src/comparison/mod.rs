@@ -11,6 +11,9 @@ mod moments;
 mod result;
 mod verdict;
 
+#[cfg(test)]
+mod tests;
+
 pub use build::{LogPair, Question, compare};
 pub use result::{
     Arm, Change, Comparison, Gate, LogResult, LogStatus, MetricChange, Moment, Scene, Verdict,

@@ -5,8 +5,8 @@
 //! the same sign make a stretch. All stretches of a log together add up to the metric's change.
 
 use super::result::{Arm, Moment};
-use crate::metrics::{CATALOGUE, Measured, Switch};
-use crate::report::number;
+use crate::metrics::{CATALOGUE, Group, Measured, Metric, Switch};
+use crate::report::{number, seconds, with_unit};
 
 /// Most stretches that are listed for one metric of one log.
 const MOST_PER_METRIC: usize = 3;
@@ -42,7 +42,7 @@ pub(super) fn moments(log: &str, a: &Measured, b: &Measured) -> Vec<Moment> {
         for stretch in stretches.into_iter().take(MOST_PER_METRIC) {
             let (from_s, until_s) =
                 (stretch.first as f64 * bin_s, (stretch.last + 1) as f64 * bin_s);
-            let (t_s, why) = why(a, b, from_s, until_s);
+            let (t_s, why) = why(metric, a, b, from_s, until_s);
             all.push(Moment {
                 log: log.to_owned(),
                 t_s,
@@ -87,29 +87,49 @@ fn stretches(deltas: &[f64], bin_s: f64) -> Vec<Stretch> {
 }
 
 /// What happened in a stretch, and the time to jump to.
-fn why(a: &Measured, b: &Measured, from_s: f64, until_s: f64) -> (f64, String) {
-    // The switch that set the arms apart: the first in the stretch after which they differ.
+fn why(metric: &Metric, a: &Measured, b: &Measured, from_s: f64, until_s: f64) -> (f64, String) {
+    let (t_s, drivers) = who_drove(a, b, from_s, until_s);
+    if metric.group != Group::Safety {
+        return (t_s, drivers);
+    }
+    let nearest = |run: &Measured| {
+        let within = run.track.points.iter().filter(|p| p.t_s >= from_s && p.t_s < until_s);
+        within.map(|point| point.clearance_m).fold(f64::NAN, f64::min)
+    };
+    let nearest = |run| with_unit(&number(Some(nearest(run))), "m");
+    (from_s, format!("clearance down to {} in A, {} in B; {drivers}", nearest(a), nearest(b)))
+}
+
+/// Who drove in a stretch, and the time at which that set the arms apart.
+fn who_drove(a: &Measured, b: &Measured, from_s: f64, until_s: f64) -> (f64, String) {
     let mut switches: Vec<(Arm, &Switch)> = Vec::new();
     for (arm, run) in [(Arm::A, a), (Arm::B, b)] {
         let within = run.track.switches.iter().filter(|s| s.t_s >= from_s && s.t_s < until_s);
         switches.extend(within.map(|switch| (arm, switch)));
     }
     switches.sort_by(|x, y| x.1.t_s.total_cmp(&y.1.t_s).then(x.0.cmp(&y.0)));
-    for (arm, switch) in switches {
+    let opposite = |arm: Arm, switch: &Switch| {
         let other = if arm == Arm::A { b } else { a };
-        let Some(opposite) = other.track.driving_at(switch.t_s) else { continue };
-        if (opposite.k, opposite.projected) != (switch.k, switch.projected) {
-            let text = format!(
-                "in {} {} at {} s ({}); in {} {}",
-                arm.letter(),
-                became(switch),
-                number(Some(switch.t_s)),
-                circumstances(switch),
-                if arm == Arm::A { "B" } else { "A" },
-                stayed(opposite),
-            );
-            return (switch.t_s, text);
-        }
+        other.track.driving_at(switch.t_s)
+    };
+    // The switch after which the arms differ; failing that, the first one at all.
+    let parting = switches.iter().find(|(arm, switch)| {
+        opposite(*arm, switch)
+            .is_some_and(|other| (other.k, other.projected) != (switch.k, switch.projected))
+    });
+    if let Some(&(arm, switch)) = parting.or(switches.first())
+        && let Some(other) = opposite(arm, switch)
+    {
+        let text = format!(
+            "in {} {} at {} ({}); in {} {}",
+            arm.letter(),
+            became(switch),
+            seconds(switch.t_s),
+            circumstances(switch),
+            if arm == Arm::A { "B" } else { "A" },
+            stayed(other),
+        );
+        return (switch.t_s, text);
     }
     let text = match (a.track.driving_at(from_s), b.track.driving_at(from_s)) {
         (Some(a), Some(b)) if (a.k, a.projected) != (b.k, b.projected) => {
@@ -124,7 +144,7 @@ fn why(a: &Measured, b: &Measured, from_s: f64, until_s: f64) -> (f64, String) {
         (Some(_), Some(_)) => {
             "the person drives in both, from different states or with different requests".to_owned()
         }
-        _ => "one of the runs has no step here".to_owned(),
+        _ => "who drove is not known in both".to_owned(),
     };
     (from_s, text)
 }
@@ -145,7 +165,7 @@ fn stayed(switch: &Switch) -> String {
         (false, true) => "the person, altered by the safety layer,",
         (false, false) => "the person",
     };
-    format!("{who} had driven since {} s", number(Some(switch.t_s)))
+    format!("{who} had driven since {}", seconds(switch.t_s))
 }
 
 /// Why a switch happened, as far as the step says.

@@ -16,7 +16,7 @@
 
 use super::result::{Comparison, LogStatus, MetricChange, Verdict};
 use crate::metrics::Group;
-use crate::report::{number, signed, with_unit};
+use crate::report::{number, seconds, signed, with_unit};
 use crate::statistics::holm;
 
 /// Largest chance of a false call within a group of metrics.
@@ -100,9 +100,9 @@ fn failure(comparison: &Comparison) -> Option<String> {
         String::new()
     };
     Some(format!(
-        "B {} at {} s in {}, and A does not do so on this log{more}",
+        "B {} at {} in {}, and A does not do so on this log{more}",
         first.kind.words(),
-        number(Some(first.t_s)),
+        seconds(first.t_s),
         first.log
     ))
 }
@@ -132,10 +132,15 @@ fn price(comparison: &Comparison, decided_by: Group, verdict: Verdict) -> String
 
 /// Why nothing could be decided.
 fn no_call(comparison: &Comparison, logs: &str) -> String {
+    let changes_somewhere = |metric: &&MetricChange| {
+        let mut deltas =
+            comparison.logs.iter().filter_map(|log| log.metrics.get(&metric.name)?.delta);
+        metric.group != Group::Task && deltas.any(|delta| delta != 0.0)
+    };
     let nearest = comparison
         .metrics
         .iter()
-        .filter(|metric| metric.group != Group::Task && metric.delta.is_some_and(|d| d != 0.0))
+        .filter(changes_somewhere)
         .min_by(|x, y| x.p.unwrap_or(1.0).total_cmp(&y.p.unwrap_or(1.0)));
     match nearest {
         Some(metric) => format!(

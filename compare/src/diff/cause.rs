@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::field::Row;
 use super::reading::Reading;
+use crate::report::{number, with_unit};
 
 /// The earliest difference, and at that time the one at the earliest stage of the data flow.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -80,8 +81,21 @@ pub(super) fn sentence(
     (a, b): (&Reading, &Reading),
     said: Option<(&str, &str)>,
 ) -> String {
-    let unit = if row.unit.is_empty() { String::new() } else { format!(" {}", row.unit) };
-    let mut text = format!("at {t_s:.3} s {} is {a}{unit} in A and {b}{unit} in B", row.name);
+    // A report's digits, unless it takes more of them to tell the two apart.
+    let short = |reading: &Reading| match reading {
+        Reading::Number(x) => number(Some(*x)),
+        other => other.to_string(),
+    };
+    let full = short(a) == short(b);
+    let shown = |reading: &Reading| match reading {
+        Reading::Number(x) if x.is_nan() => "NaN".to_owned(),
+        Reading::Number(x) if x.is_finite() => {
+            with_unit(&if full { x.to_string() } else { short(reading) }, &row.unit)
+        }
+        other => other.to_string(),
+    };
+    let (a, b) = (shown(a), shown(b));
+    let mut text = format!("at {t_s:.3} s {} is {a} in A and {b} in B", row.name);
     if row.hidden_state {
         text.push_str("; no quantity differs, only the controllers' hidden state");
     } else if row.node != Node::Input {

@@ -13,6 +13,9 @@ mod field;
 mod reading;
 mod tolerance;
 
+#[cfg(test)]
+mod tests;
+
 pub use cause::FirstCause;
 pub use differ::{Compared, Diff, Differ, diff};
 pub use field::FieldDifference;

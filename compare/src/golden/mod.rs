@@ -9,5 +9,8 @@
 mod check;
 mod summary;
 
+#[cfg(test)]
+mod tests;
+
 pub use check::{Problem, check};
 pub use summary::{Approval, Golden};

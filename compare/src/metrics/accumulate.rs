@@ -19,7 +19,8 @@ pub(super) trait Accumulate {
     fn value(&self) -> Option<f64>;
 
     /// For a metric that adds up over time: the plain sum so far, before it is divided by anything.
-    /// Its growth tells which moments carry the metric.
+    /// Its growth tells which moments carry the metric. Collisions and breaches leave it out: each
+    /// of them is listed as a violation.
     fn total(&self) -> Option<f64> {
         None
     }

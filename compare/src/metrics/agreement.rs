@@ -67,8 +67,4 @@ impl Accumulate for Disagreement {
     fn value(&self) -> Option<f64> {
         self.mean.value()
     }
-
-    fn total(&self) -> Option<f64> {
-        self.value().map(|_| self.mean.sum)
-    }
 }

@@ -44,10 +44,6 @@ impl Accumulate for Collisions {
     fn value(&self) -> Option<f64> {
         self.known.then_some(f64::from(self.count))
     }
-
-    fn total(&self) -> Option<f64> {
-        self.value()
-    }
 }
 
 /// `contact_speed_mps` = the greatest |v| at the first sample of a collision.

@@ -152,7 +152,7 @@ fn follow(
 ) {
     match (kind, open.as_mut()) {
         (Some(kind), Some(violation)) => {
-            violation.until_s = motion.t_s;
+            violation.until_s = violation.until_s.max(motion.t_s);
             violation.depth_m = violation.depth_m.max(depth_m);
             if kind == ViolationKind::CollisionDiscActive {
                 violation.kind = kind;
@@ -198,9 +198,5 @@ impl Accumulate for Breaches {
 
     fn value(&self) -> Option<f64> {
         self.known.then_some(f64::from(self.count))
-    }
-
-    fn total(&self) -> Option<f64> {
-        self.value()
     }
 }

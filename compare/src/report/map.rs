@@ -145,7 +145,9 @@ pub(super) fn map(scene: &Scene, violations: &[&ViolationRecord]) -> Option<Map>
         }
     }
     let mut shown = content;
-    room.iter().for_each(|corner| shown.take(*corner, 0.0));
+    for corner in &room {
+        shown.take(*corner, 0.0);
+    }
     let shown = shown.grown(BORDER_M);
     let size = [shown.high[0] - shown.low[0], shown.high[1] - shown.low[1]];
     let scale = (WIDTH / size[0]).min(HEIGHT / size[1]);
@@ -236,10 +238,10 @@ fn cross(scene: &Scene, violation: &ViolationRecord, view: View) -> Option<Cross
         at: view.point([nearest.x_m, nearest.y_m]),
         arm: violation.arm.letter(),
         label: format!(
-            "{} {} at {} s",
+            "{} {} at {}",
             violation.arm.letter(),
             violation.kind.words(),
-            super::number(Some(violation.t_s))
+            super::seconds(violation.t_s)
         ),
     })
 }

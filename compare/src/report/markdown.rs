@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::table::{Align, in_cell, markdown as table};
-use super::view::View;
+use super::view::{METRIC_ALIGNS, METRIC_HEAD, MetricRow, View};
 use crate::comparison::Comparison;
 
 /// Most rows of a list; the number of those left out is said. Keeps a comment far below the
@@ -28,26 +28,9 @@ pub fn markdown(comparison: &Comparison) -> String {
     }
     text.push('\n');
 
-    let head = ["metric", "unit", "better", "A", "B", "", "B - A", "95 % interval", "p", "n"];
-    let mut rows = vec![head.map(str::to_owned).to_vec()];
-    for metric in view.defined_metrics() {
-        rows.push(vec![
-            metric.name.clone(),
-            metric.unit.clone(),
-            metric.better.to_owned(),
-            metric.a.clone(),
-            metric.b.clone(),
-            metric.mark.to_owned(),
-            metric.delta.clone(),
-            metric.ci.clone(),
-            metric.p.clone(),
-            metric.n.clone(),
-        ]);
-    }
-    text.push_str(&table(
-        &[Left, Left, Left, Right, Right, Left, Right, Right, Right, Right],
-        &rows,
-    ));
+    let mut rows = vec![METRIC_HEAD.map(str::to_owned).to_vec()];
+    rows.extend(view.defined_metrics().map(MetricRow::cells));
+    text.push_str(&table(&METRIC_ALIGNS, &rows));
     text.push_str("\n▲ better, ▼ worse, ○ within chance, = no change");
     let undefined = view.undefined_metrics();
     if !undefined.is_empty() {
@@ -76,7 +59,7 @@ pub fn markdown(comparison: &Comparison) -> String {
         text.push_str(&left_out(view.violations.len()));
     }
     if !view.moments.is_empty() {
-        text.push_str("\n### Moments that carry the change\n\n");
+        text.push_str("\n### Moments that carry most of the change\n\n");
         let head = ["log", "at", "metric", "B - A", "share", "what happened"];
         let mut rows = vec![head.map(str::to_owned).to_vec()];
         rows.extend(view.moments.iter().take(MOST_ROWS).map(|m| {

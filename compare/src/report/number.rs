@@ -29,6 +29,11 @@ pub fn signed(x: Option<f64>) -> String {
     if x.is_some_and(|x| x > 0.0) { format!("+{text}") } else { text }
 }
 
+/// A time to a hundredth of a second.
+pub(crate) fn seconds(t_s: f64) -> String {
+    format!("{t_s:.2} s")
+}
+
 /// A printed number with its unit, if it has one of either.
 pub fn with_unit(text: &str, unit: &str) -> String {
     if unit.is_empty() || text == UNDEFINED { text.to_owned() } else { format!("{text} {unit}") }

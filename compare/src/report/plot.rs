@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::map::{MOST_POINTS, unit};
-use super::number;
+use super::{number, seconds};
 use crate::comparison::Scene;
 use crate::metrics::{Track, TrackPoint};
 
@@ -126,7 +126,8 @@ impl Axis {
         let count = libm::floor(self.end_s / step) as usize;
         (0..=count)
             .map(|i| i as f64 * step)
-            .map(|t_s| (unit(self.x(t_s)), format!("{t_s}")))
+            // A multiple of a round step, printed without the rounding of the product.
+            .map(|t_s| (unit(self.x(t_s)), format!("{}", libm::round(t_s * 1e6) / 1e6)))
             .collect()
     }
 
@@ -136,7 +137,7 @@ impl Axis {
         for (switch, end_s) in track.switches.iter().zip(ends) {
             let (from, to) = (self.x(switch.t_s), self.x(end_s));
             let stretch = || {
-                let words = format!("{} s to {} s", number(Some(switch.t_s)), number(Some(end_s)));
+                let words = format!("{} to {}", seconds(switch.t_s), seconds(end_s));
                 (unit(from), unit((to - from).max(0.5)), words)
             };
             if switch.k == 0.0 {

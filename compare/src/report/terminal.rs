@@ -1,16 +1,14 @@
 //! Text for a terminal.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use super::table::{Align, columns};
-use super::view::{MomentRow, View, ViolationRow};
+use super::view::{METRIC_ALIGNS, METRIC_HEAD, MomentRow, View, ViolationRow};
 use crate::comparison::Comparison;
 
 /// Most rows of a list; the number of those left out is said.
 const MOST_ROWS: usize = 30;
-
-/// Most moments: a terminal is for the main ones.
-const MOST_MOMENTS: usize = 12;
 
 /// The comparison as aligned text, verdict first.
 pub fn terminal(comparison: &Comparison) -> String {
@@ -32,7 +30,9 @@ pub fn terminal(comparison: &Comparison) -> String {
     let _ = writeln!(text, "violations: {in_a} in A, {in_b} in B, {new} held against B");
     text.push_str(&violations(&view.violations));
     if !view.moments.is_empty() {
-        text.push_str("\nmoments that carry the change\n");
+        text.push_str(
+            "\nthe moment that carries most of each change; more in the JSON and on the page\n",
+        );
         text.push_str(&moments(&view.moments));
     }
     text.push_str("\nfirst cause by log\n");
@@ -48,29 +48,16 @@ fn row(cells: &[&str]) -> Vec<String> {
 }
 
 fn metrics(view: &View) -> String {
-    use Align::{Left, Right};
-    let mut rows =
-        vec![row(&["metric", "unit", "better", "A", "B", "", "B - A", "95 % interval", "p", "n"])];
+    let mut rows = vec![row(&METRIC_HEAD)];
     let mut group = "";
     for metric in view.defined_metrics() {
         if metric.group != group {
             group = metric.group;
             rows.push(row(&[&group.to_uppercase()]));
         }
-        rows.push(row(&[
-            &metric.name,
-            &metric.unit,
-            metric.better,
-            &metric.a,
-            &metric.b,
-            metric.mark,
-            &metric.delta,
-            &metric.ci,
-            &metric.p,
-            &metric.n,
-        ]));
+        rows.push(metric.cells());
     }
-    columns(&[Left, Left, Left, Right, Right, Left, Right, Right, Right, Right], &rows)
+    columns(&METRIC_ALIGNS, &rows)
 }
 
 fn violations(all: &[ViolationRow]) -> String {
@@ -96,16 +83,16 @@ fn violations(all: &[ViolationRow]) -> String {
     text
 }
 
+/// The strongest moment of each metric.
 fn moments(all: &[MomentRow]) -> String {
     use Align::{Left, Right};
+    let mut seen = BTreeSet::new();
     let rows: Vec<Vec<String>> = all
         .iter()
-        .take(MOST_MOMENTS)
+        .filter(|m| seen.insert(m.metric.as_str()))
         .map(|m| row(&["", &m.log, &m.t, &m.metric, &m.delta, &m.why]))
         .collect();
-    let mut text = columns(&[Left, Left, Right, Left, Right, Left], &rows);
-    text.push_str(&left_out(all.len(), MOST_MOMENTS));
-    text
+    columns(&[Left, Left, Right, Left, Right, Left], &rows)
 }
 
 fn logs(view: &View) -> String {

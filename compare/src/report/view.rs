@@ -4,9 +4,13 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use super::number::{number, signed, with_unit};
-use crate::comparison::{Arm, Comparison, LogStatus, MetricChange, ViolationRecord};
+use super::number::{number, seconds, signed, with_unit};
+use super::table::Align;
+use crate::comparison::{Arm, Comparison, LogStatus, MetricChange, Moment, ViolationRecord};
 use crate::metrics::metric;
+
+/// How many moments of each metric a summary lists.
+const STRONGEST_PER_METRIC: usize = 3;
 
 /// A comparison, printed.
 #[derive(Clone, Debug, Serialize)]
@@ -22,6 +26,7 @@ pub(super) struct View {
     pub(super) violations: Vec<ViolationRow>,
     /// Numbers of violations of A, of B, and of those held against B.
     pub(super) violation_counts: (usize, usize, usize),
+    /// The strongest ones over all logs.
     pub(super) moments: Vec<MomentRow>,
     pub(super) logs: Vec<LogRow>,
 }
@@ -80,6 +85,7 @@ pub(super) struct LogRow {
     pub(super) horizon: String,
     pub(super) first_cause: String,
     pub(super) metrics: Vec<LogMetricRow>,
+    pub(super) moments: Vec<MomentRow>,
 }
 
 /// One metric of one log.
@@ -90,6 +96,24 @@ pub(super) struct LogMetricRow {
     pub(super) a: String,
     pub(super) b: String,
     pub(super) delta: String,
+}
+
+/// The head of a table of [`MetricRow::cells`].
+pub(super) const METRIC_HEAD: [&str; 10] =
+    ["metric", "unit", "better", "A", "B", "", "B - A", "95 % interval", "p", "n"];
+
+/// How the columns of that table stand.
+pub(super) const METRIC_ALIGNS: [Align; 10] = {
+    use Align::{Left, Right};
+    [Left, Left, Left, Right, Right, Left, Right, Right, Right, Right]
+};
+
+impl MetricRow {
+    /// The row for a table of text.
+    pub(super) fn cells(&self) -> Vec<String> {
+        let MetricRow { name, unit, better, a, b, mark, delta, ci, p, n, .. } = self;
+        [name, unit, *better, a, b, *mark, delta, ci, p, n].map(str::to_owned).to_vec()
+    }
 }
 
 impl View {
@@ -106,7 +130,7 @@ impl View {
             metrics: comparison.metrics.iter().map(metric_row).collect(),
             violations: violations.iter().map(violation_row).collect(),
             violation_counts: (of(Arm::A), of(Arm::B), violations.iter().filter(|v| v.new).count()),
-            moments: moment_rows(comparison),
+            moments: strongest(comparison).into_iter().map(moment_row).collect(),
             logs: log_rows(comparison),
         }
     }
@@ -174,8 +198,8 @@ fn metric_row(change: &MetricChange) -> MetricRow {
 /// Which way a metric went, as a sign and in words.
 fn mark(change: &MetricChange) -> (&'static str, &'static str) {
     match change.delta {
-        None => ("–", "undefined"),
-        Some(0.0) => ("=", "no change"),
+        None => ("", "undefined"),
+        Some(0.0) if change.ci.is_none_or(|ci| ci.low == ci.high) => ("=", "no change"),
         Some(_) if !change.decidable => ("○", "within chance"),
         Some(delta) if change.better.improvement(delta) > 0.0 => ("▲", "better"),
         Some(_) => ("▼", "worse"),
@@ -187,30 +211,44 @@ fn violation_row(violation: &ViolationRecord) -> ViolationRow {
         log: violation.log.clone(),
         arm: violation.arm.letter(),
         kind: violation.kind.words(),
-        t: with_unit(&number(Some(violation.t_s)), "s"),
-        lasted: with_unit(&number(Some(violation.until_s - violation.t_s)), "s"),
+        t: seconds(violation.t_s),
+        lasted: seconds(violation.until_s - violation.t_s),
         depth: with_unit(&number(Some(violation.depth_m)), "m"),
         speed: with_unit(&number(Some(violation.speed_mps)), "m/s"),
         new: violation.new,
     }
 }
 
-fn moment_rows(comparison: &Comparison) -> Vec<MomentRow> {
-    comparison
-        .moments
-        .iter()
-        .map(|moment| {
-            let unit = metric(&moment.metric).map_or("", |metric| metric.unit);
-            MomentRow {
-                log: moment.log.clone(),
-                t: with_unit(&number(Some(moment.t_s)), "s"),
-                metric: moment.metric.clone(),
-                delta: with_unit(&signed(Some(moment.delta)), unit),
-                share: format!("{:.0} %", 100.0 * moment.share),
-                why: moment.why.clone(),
-            }
-        })
-        .collect()
+/// The moments that carry most, over all logs: a few of each metric, metrics whose change is
+/// beyond chance first.
+fn strongest(comparison: &Comparison) -> Vec<&Moment> {
+    let mut metrics: Vec<&MetricChange> = comparison.metrics.iter().collect();
+    // The sort is stable: otherwise the order of the catalogue stays.
+    metrics.sort_by_key(|metric| !metric.decidable);
+    let mut all = Vec::new();
+    for metric in metrics {
+        let mut of_metric: Vec<&Moment> =
+            comparison.moments.iter().filter(|moment| moment.metric == metric.name).collect();
+        of_metric.sort_by(|x, y| libm::fabs(y.delta).total_cmp(&libm::fabs(x.delta)));
+        all.extend(of_metric.into_iter().take(STRONGEST_PER_METRIC));
+    }
+    all
+}
+
+fn of_log<'a>(comparison: &'a Comparison, log: &'a str) -> impl Iterator<Item = &'a Moment> {
+    comparison.moments.iter().filter(move |moment| moment.log == log)
+}
+
+fn moment_row(moment: &Moment) -> MomentRow {
+    let unit = metric(&moment.metric).map_or("", |metric| metric.unit);
+    MomentRow {
+        log: moment.log.clone(),
+        t: seconds(moment.t_s),
+        metric: moment.metric.clone(),
+        delta: with_unit(&signed(Some(moment.delta)), unit),
+        share: format!("{:.0} %", 100.0 * moment.share),
+        why: moment.why.clone(),
+    }
 }
 
 fn log_rows(comparison: &Comparison) -> Vec<LogRow> {
@@ -242,6 +280,7 @@ fn log_rows(comparison: &Comparison) -> Vec<LogRow> {
                     })
                 })
                 .collect(),
+            moments: of_log(comparison, &log.log).map(moment_row).collect(),
         })
         .collect()
 }

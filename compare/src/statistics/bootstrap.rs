@@ -45,42 +45,75 @@ impl Interval {
 /// confidence `level` (0.95, say).
 ///
 /// Efron, "Better bootstrap confidence intervals", JASA 82 (1987): with the resampled means
-/// sorted, the ends are their quantiles at
-/// Φ(z0 + (z0 + zα)/(1 − a (z0 + zα))), α = (1 ± level)/2, where z0 = Φ⁻¹(share of resampled means
-/// below the observed one, ties half) corrects for bias and
+/// sorted, the ends are their quantiles at Φ(z0 + (z0 + z)/(1 − a (z0 + z))), where
+/// z0 = Φ⁻¹(share of resampled means below the observed one, ties half) corrects for bias and
 /// a = Σ (m̄ − mᵢ)³ / (6 (Σ (m̄ − mᵢ)²)^{3/2}), from the means mᵢ without log i, for skew.
 /// Quantiles interpolate linearly between neighbours.
+///
+/// Efron's z = ±Φ⁻¹((1 + level)/2) makes intervals too short for few logs (90 % of normal samples
+/// of ten for a nominal 95 %). Here z = ±√(n/(n − 1)) t, with t the quantile of Student's
+/// distribution with n − 1 degrees of freedom: the widening that Hesterberg, "What teachers should
+/// know about the bootstrap", The American Statistician 69 (2015), gives the percentile interval.
 ///
 /// `None` for fewer than two differences, for a difference that is not finite, or for a level
 /// outside (0, 1). Equal differences give an interval of length 0: no log speaks against them.
 pub fn bca(differences: &[f64], level: f64) -> Option<Interval> {
-    let n = differences.len();
-    if n < 2 || differences.iter().any(|d| !d.is_finite()) || !(level > 0.0 && level < 1.0) {
+    if !(level > 0.0 && level < 1.0) || differences.len() < 2 {
+        return None;
+    }
+    let n = differences.len() as f64;
+    let z = normal_quantile(0.5 * (1.0 + level));
+    interval(differences, libm::sqrt(n / (n - 1.0)) * student(z, n - 1.0))
+}
+
+/// The interval for a given z; Efron's own for a normal quantile.
+pub(super) fn interval(differences: &[f64], z: f64) -> Option<Interval> {
+    if differences.iter().any(|d| !d.is_finite()) {
         return None;
     }
     let observed = mean(differences)?;
     if differences.iter().all(|d| *d == differences[0]) {
         return Some(Interval { low: observed, high: observed });
     }
-    let mut generator = Generator::new(SEED);
-    let mut means: Vec<f64> = (0..RESAMPLES)
-        .map(|_| (0..n).map(|_| differences[generator.below(n)]).sum::<f64>() / n as f64)
-        .collect();
-    means.sort_by(f64::total_cmp);
-
+    let means = resampled_means(differences);
     let below = means.iter().filter(|m| **m < observed).count();
     let at_most = means.iter().filter(|m| **m <= observed).count();
     let share = (below + at_most) as f64 / (2 * RESAMPLES) as f64;
     // Every resampled mean on one side says nothing about the bias.
     let z0 = if share > 0.0 && share < 1.0 { normal_quantile(share) } else { 0.0 };
     let a = acceleration(differences);
-    let end = |alpha: f64| {
-        let z = z0 + normal_quantile(alpha);
-        // |a| ≤ 1/6 for a mean, so the pole lies beyond six standard deviations.
-        quantile(&means, normal_cdf(z0 + z / (1.0 - a * z)))
+    let end = |z: f64| {
+        let shifted = z0 + z;
+        let shrink = 1.0 - a * shifted;
+        // |a| ≤ 1/6 for a mean: the pole lies six standard deviations out, where only the widest
+        // interval of the fewest logs comes, and beyond it is the extreme resample.
+        let corrected = if shrink > 0.0 { z0 + shifted / shrink } else { shifted * f64::INFINITY };
+        quantile(&means, normal_cdf(corrected))
     };
-    let tail = 0.5 * (1.0 - level);
-    Some(Interval { low: end(tail), high: end(1.0 - tail) })
+    Some(Interval { low: end(-z), high: end(z) })
+}
+
+/// Means of logs drawn with replacement, sorted.
+fn resampled_means(differences: &[f64]) -> Vec<f64> {
+    let n = differences.len();
+    let mut generator = Generator::new(SEED);
+    let mut means: Vec<f64> = (0..RESAMPLES)
+        .map(|_| (0..n).map(|_| differences[generator.below(n)]).sum::<f64>() / n as f64)
+        .collect();
+    means.sort_by(f64::total_cmp);
+    means
+}
+
+/// The quantile of Student's distribution with `nu` degrees of freedom where the normal one has
+/// `z`: the asymptotic series 26.7.5 of Abramowitz and Stegun. For a 95 % interval the error is
+/// 11 % at nu = 1, 0.8 % at 2, and about 0.01 % from 5 on.
+fn student(z: f64, nu: f64) -> f64 {
+    let z2 = z * z;
+    let g1 = (z2 + 1.0) / 4.0;
+    let g2 = ((5.0 * z2 + 16.0) * z2 + 3.0) / 96.0;
+    let g3 = (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / 384.0;
+    let g4 = ((((79.0 * z2 + 776.0) * z2 + 1482.0) * z2 - 1920.0) * z2 - 945.0) / 92160.0;
+    z * (1.0 + (g1 + (g2 + (g3 + g4 / nu) / nu) / nu) / nu)
 }
 
 /// The jackknife's a. For the mean, m̄ − mᵢ = (dᵢ − d̄)/(n − 1), and the factor cancels.
@@ -103,4 +136,27 @@ fn quantile(sorted: &[f64], p: f64) -> f64 {
     let above = (below + 1).min(last);
     let part = position - below as f64;
     sorted[below] + part * (sorted[above] - sorted[below])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `scipy.stats.t.ppf(0.975, nu)` (1.17.1).
+    #[test]
+    fn students_quantile_is_that_of_scipy() {
+        let z = normal_quantile(0.975);
+        for (nu, t, error) in [
+            (1.0, 12.706_204_736_174_694, 0.12),
+            (2.0, 4.302_652_729_749_462, 8e-3),
+            (3.0, 3.182_446_305_283_708, 2e-3),
+            (5.0, 2.570_581_835_636_314_6, 2e-4),
+            (9.0, 2.262_157_162_798_205, 1e-5),
+            (29.0, 2.045_229_642_132_703, 1e-7),
+            (99.0, 1.984_216_951_586_417_4, 1e-9),
+        ] {
+            let got = student(z, nu);
+            assert!((got / t - 1.0).abs() < error, "{got} instead of {t} at {nu}");
+        }
+    }
 }

@@ -13,6 +13,9 @@ mod holm;
 mod normal;
 mod sign_flip;
 
+#[cfg(test)]
+mod tests;
+
 pub use bootstrap::{Interval, bca};
 pub use generator::Generator;
 pub use holm::holm;

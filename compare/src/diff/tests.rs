@@ -1,0 +1,342 @@
+//! What differs, what does not, and what differed first.
+
+use schemas::{Event, LawBranch, Reason, Stamped, Time};
+
+use super::{Diff, Differ, Reading, Tolerances, diff};
+use crate::CompareError;
+use crate::synthetic::{Run, at};
+
+fn between(a: &Run, b: &Run, tolerances: &Tolerances) -> Diff {
+    let mut next_a = a.events.iter().cloned();
+    let mut next_b = b.events.iter().cloned();
+    diff::<CompareError>(
+        tolerances,
+        (a.header.run.start, || Ok(next_a.next())),
+        (b.header.run.start, || Ok(next_b.next())),
+    )
+    .expect("both runs have steps")
+}
+
+fn exact(a: &Run, b: &Run) -> Diff {
+    between(a, b, &Tolerances::exact())
+}
+
+/// Three steps with a command each; `change` may alter the events.
+fn run() -> Run {
+    let mut run = Run::new();
+    for i in 0..3 {
+        let t_s = f64::from(i) * 0.1;
+        run.truth(t_s, |_| {}).step(t_s, |_| {}).command(t_s, 0.5, 0.0);
+    }
+    run
+}
+
+/// Alters the n-th step of a run.
+fn with_step(mut run: Run, n: usize, change: impl FnOnce(&mut schemas::Step)) -> Run {
+    let steps = run.events.iter_mut().filter_map(|event| match &mut event.value {
+        Event::Step(step) => Some(step),
+        _ => None,
+    });
+    change(steps.into_iter().nth(n).expect("there is such a step"));
+    run
+}
+
+fn fields(diff: &Diff) -> Vec<&str> {
+    diff.fields.iter().map(|field| field.field.as_str()).collect()
+}
+
+/// A against A: the same, with as much compared as there is. NaN, of which these steps are full,
+/// equals NaN.
+#[test]
+fn a_run_against_itself_is_the_same() {
+    let diff = exact(&run(), &run());
+    assert!(diff.same && diff.same_behaviour);
+    assert_eq!((diff.compared.steps, diff.compared.messages), (3, 6));
+    assert_eq!((diff.fields.len(), diff.first_cause), (0, None));
+}
+
+#[test]
+fn only_the_time_from_the_start_counts() {
+    let mut later = run();
+    let hour_ns = 3_600_000_000_000;
+    later.header.run.start = later.header.run.start.after_ns(hour_ns);
+    for event in &mut later.events {
+        event.at = event.at.after_ns(hour_ns);
+        match &mut event.value {
+            Event::Step(step) => step.stamp = step.stamp.after_ns(hour_ns),
+            Event::Command(command) => command.stamp = command.stamp.after_ns(hour_ns),
+            _ => {}
+        }
+    }
+    assert!(exact(&run(), &later).same);
+}
+
+#[test]
+fn a_number_tells_how_far_how_often_and_since_when() {
+    let mut b = with_step(run(), 1, |step| step.d1_m = 1.5);
+    b = with_step(b, 2, |step| step.d1_m = 1.0);
+    let mut a = with_step(run(), 1, |step| step.d1_m = 1.0);
+    a = with_step(a, 2, |step| step.d1_m = 1.1);
+    let diff = exact(&a, &b);
+    assert!(!diff.same && !diff.same_behaviour);
+    assert_eq!(fields(&diff), ["d1_m"]);
+    let field = &diff.fields[0];
+    assert_eq!((field.node.as_str(), field.unit.as_str()), ("distances", "m"));
+    assert_eq!(field.max_abs, Some(0.5));
+    assert_eq!(field.max_abs_at_s, Some(0.1));
+    assert_eq!(field.max_rel, Some(0.5 / 1.5));
+    assert_eq!((field.first_at_s, field.count, field.undefined), (0.1, 2, 0));
+    assert_eq!(diff.compared.differing, 2);
+}
+
+#[test]
+fn nan_against_a_number_is_a_difference_without_an_amount() {
+    let b = with_step(run(), 0, |step| step.z1 = 0.25);
+    let diff = exact(&run(), &b);
+    assert_eq!(fields(&diff), ["z1"]);
+    let field = &diff.fields[0];
+    assert_eq!((field.max_abs, field.max_rel), (None, None));
+    assert_eq!((field.count, field.undefined), (1, 1));
+    let cause = diff.first_cause.expect("something differs");
+    assert_eq!((cause.a, cause.b), (Reading::Number(f64::NAN), Reading::Number(0.25)));
+    // No tolerance makes a number out of NaN.
+    let wide = Tolerances::from_toml("[default]\nabs = inf\nrel = inf").expect("valid");
+    assert!(!between(&run(), &b, &wide).same);
+}
+
+#[test]
+fn infinities_equal_themselves_only() {
+    let inf = with_step(run(), 0, |step| step.distance_human_m = f64::INFINITY);
+    assert!(exact(&inf, &inf).same);
+    let finite = with_step(run(), 0, |step| step.distance_human_m = 3.0);
+    let diff = exact(&inf, &finite);
+    assert_eq!((diff.fields[0].max_abs, diff.fields[0].undefined), (None, 0));
+}
+
+#[test]
+fn a_step_that_one_run_lacks_has_a_row_of_its_own() {
+    let mut shorter = run();
+    // Without the second step, and without the last step and command.
+    shorter
+        .events
+        .retain(|event| !(event.at == at(0.1).after_ns(6) || event.at > at(0.2).after_ns(5)));
+    let diff = exact(&run(), &shorter);
+    assert_eq!(diff.compared.steps, 1);
+    // One step and two commands.
+    assert_eq!(diff.compared.messages, 3);
+    let rows: Vec<_> =
+        diff.fields.iter().map(|f| (f.field.as_str(), f.count, f.first_at_s)).collect();
+    assert_eq!(rows, [("steps_only_in_a", 2, 0.1), ("commands_only_in_a", 1, 0.2)]);
+    let cause = diff.first_cause.expect("something differs");
+    assert_eq!((cause.field.as_str(), cause.node.as_str()), ("steps_only_in_a", "input"));
+    assert_eq!(cause.t_s, 0.1);
+
+    let mirrored = exact(&shorter, &run());
+    assert_eq!(fields(&mirrored), ["steps_only_in_b", "commands_only_in_b"]);
+}
+
+#[test]
+fn another_period_compares_the_instants_that_both_have() {
+    let mut fast = Run::new();
+    for i in 0..5 {
+        fast.step(f64::from(i) * 0.05, |_| {});
+    }
+    let mut slow = Run::new();
+    for i in 0..3 {
+        slow.step(f64::from(i) * 0.1, |_| {});
+    }
+    let diff = exact(&slow, &fast);
+    assert_eq!(diff.compared.steps, 3);
+    // The indices of the common instants differ from the second on.
+    assert_eq!(fields(&diff), ["steps_only_in_b", "step_index"]);
+    assert_eq!(diff.fields[0].count, 2);
+}
+
+/// The cause is the earliest time, and at that time the earliest stage of the data flow, however
+/// large other differences are.
+#[test]
+fn the_first_cause_is_earliest_in_time_then_in_the_data_flow() {
+    let mut a = with_step(run(), 1, |step| {
+        step.k = 1.0;
+        step.u_s = [0.5, 0.0];
+        step.theta_star_rad = 0.1;
+        step.d2l_m = 1.0;
+    });
+    let mut b = with_step(run(), 1, |step| {
+        step.k = 0.0;
+        step.reason = Reason::Danger;
+        step.u_s = [0.0, 2.0];
+        step.theta_star_rad = 3.0;
+        step.d2l_m = 1.001;
+    });
+    // At the later step an earlier stage differs: not the first in time.
+    a = with_step(a, 2, |step| step.pose.x_m = 0.0);
+    b = with_step(b, 2, |step| step.pose.x_m = 9.0);
+    let diff = exact(&a, &b);
+    let cause = diff.first_cause.as_ref().expect("something differs");
+    assert_eq!((cause.node.as_str(), cause.field.as_str()), ("distances", "d2l_m"));
+    assert_eq!(cause.t_s, 0.1);
+    assert_eq!((&cause.a, &cause.b), (&Reading::Number(1.0), &Reading::Number(1.001)));
+    assert_eq!(
+        cause.reason,
+        "at 0.100 s d2l_m is 1 m in A and 1.001 m in B; everything before the stage `distances` \
+         agrees up to then; A gives the reason `human`, B `danger`"
+    );
+    // The fields themselves stand in the order of the data flow.
+    assert_eq!(
+        fields(&diff),
+        ["pose.x_m", "d2l_m", "theta_star_rad", "k", "reason", "u_s[0]", "u_s[1]"]
+    );
+    assert_eq!(diff.fields[6].unit, "rad/s");
+}
+
+/// A sentence has the digits of a report, or as many as it takes to tell the two apart.
+#[test]
+fn a_sentence_tells_the_values_apart() {
+    let reason = |a: f64, b: f64| {
+        let (a, b) = (with_step(run(), 0, |s| s.z1 = a), with_step(run(), 0, |s| s.z1 = b));
+        let reason = exact(&a, &b).first_cause.expect("differs").reason;
+        reason.split(';').next().map(str::to_owned).expect("has a first part")
+    };
+    assert_eq!(reason(1.843_741, 0.5), "at 0.000 s z1 is 1.844 in A and 0.500 in B");
+    assert_eq!(
+        reason(0.25, 0.250_000_000_000_000_06),
+        "at 0.000 s z1 is 0.25 in A and 0.25000000000000006 in B"
+    );
+    assert_eq!(reason(f64::INFINITY, f64::NAN), "at 0.000 s z1 is inf in A and NaN in B");
+}
+
+/// The state hash covers what no field shows; it differs between two versions from the start and
+/// must not hide what happens.
+#[test]
+fn hidden_state_is_the_cause_only_where_nothing_else_is() {
+    let hidden = with_step(run(), 0, |step| step.state_hash = 1);
+    let diff = exact(&run(), &hidden);
+    assert!(!diff.same && diff.same_behaviour);
+    assert_eq!(diff.first_cause.expect("something differs").field, "state_hash");
+
+    let both = with_step(hidden, 2, |step| step.law_branch = LawBranch::Rest);
+    let diff = exact(&run(), &both);
+    assert!(!diff.same_behaviour);
+    assert_eq!(diff.first_cause.expect("something differs").field, "law_branch");
+}
+
+#[test]
+fn commands_are_compared_with_what_they_accelerate() {
+    let mut b = run();
+    for event in &mut b.events {
+        if let Event::Command(command) = &mut event.value {
+            command.accel = Some([0.5, 0.0]);
+        }
+    }
+    let diff = exact(&run(), &b);
+    assert_eq!(fields(&diff), ["command.accel_mps2", "command.alpha_radps2"]);
+    assert_eq!(diff.fields[0].undefined, 3);
+}
+
+#[test]
+fn tolerances_are_absolute_or_relative_by_field() {
+    let a = with_step(run(), 0, |step| {
+        step.z1 = 1.0;
+        step.u_s = [10.0, 0.0];
+    });
+    let b = with_step(run(), 0, |step| {
+        step.z1 = 1.05;
+        step.u_s = [10.1, 0.0];
+    });
+    let same = |toml: &str| {
+        let tolerances = Tolerances::from_toml(toml).expect("valid");
+        between(&a, &b, &tolerances).same
+    };
+    assert!(same("[default]\nabs = 0.11"));
+    assert!(same("[default]\nrel = 0.0477\n[fields.u_s]\nrel = 0.01"));
+    assert!(same("ignore = [\"u_s\"]\n[fields.z1]\nabs = 0.051"));
+    assert!(same("ignore = [\"u_s[0]\", \"z1\"]"));
+    assert!(!same("[default]\nabs = 0.09"));
+    assert!(!same("[fields.z1]\nabs = 1"));
+    assert!(!same(""));
+    // What is reported carries its tolerance.
+    let tolerances = Tolerances::from_toml("[default]\nabs = 0.07").expect("valid");
+    let diff = between(&a, &b, &tolerances);
+    assert_eq!(fields(&diff), ["u_s[0]"]);
+    assert_eq!(diff.fields[0].tolerance.abs, 0.07);
+}
+
+#[test]
+fn a_tolerance_file_that_cannot_be_meant_is_refused() {
+    for (toml, names) in [
+        ("[fields.no_such_field]\nabs = 1", "no_such_field"),
+        ("ignore = [\"typo\"]", "typo"),
+        ("[default]\nabs = -1.0", "default.abs"),
+        ("[fields.z1]\nrel = nan", "z1.rel"),
+        ("[default]\nabsolute = 1", "absolute"),
+        ("not toml", "toml"),
+    ] {
+        let error = Tolerances::from_toml(toml).expect_err(toml).to_string();
+        assert!(error.contains(names) || toml == "not toml", "{error}");
+    }
+}
+
+#[test]
+fn two_runs_without_a_step_or_command_are_an_error() {
+    let mut empty = Run::new();
+    empty.truth(0.0, |_| {});
+    let mut differ = Differ::new(&Tolerances::exact(), Time(0), Time(0));
+    empty.events.iter().for_each(|event| differ.a(event));
+    assert!(matches!(differ.finish(), Err(CompareError::NothingToDiff)));
+    // One of them empty is a difference, not an error.
+    assert_eq!(fields(&exact(&run(), &empty)), ["steps_only_in_a", "commands_only_in_a"]);
+}
+
+#[test]
+fn a_failing_source_ends_the_diff_with_its_error() {
+    #[derive(Debug)]
+    enum Error {
+        Read,
+        Compare,
+    }
+    impl From<CompareError> for Error {
+        fn from(_: CompareError) -> Self {
+            Error::Compare
+        }
+    }
+    let start = at(0.0);
+    let failing = || Err::<Option<Stamped<Event>>, Error>(Error::Read);
+    let got = diff(&Tolerances::exact(), (start, failing), (start, || Ok(None)));
+    assert!(matches!(got, Err(Error::Read)));
+    let got = diff(&Tolerances::exact(), (start, || Ok(None)), (start, || Ok(None)));
+    assert!(matches!(got, Err(Error::Compare)));
+}
+
+/// Whichever way the two streams are fed, the result is the same.
+#[test]
+fn the_order_of_feeding_does_not_matter() {
+    let a = run();
+    let b = with_step(run(), 1, |step| step.k = 0.0);
+    let mut differ = Differ::new(&Tolerances::exact(), a.header.run.start, b.header.run.start);
+    b.events.iter().for_each(|event| differ.b(event));
+    a.events.iter().for_each(|event| differ.a(event));
+    assert_eq!(differ.finish().expect("both have steps"), exact(&a, &b));
+}
+
+/// The shape that other programs read.
+#[test]
+fn json_has_the_agreed_keys_and_survives_the_way_back() {
+    let b = with_step(run(), 1, |step| step.d1_m = 1.5);
+    let diff = exact(&run(), &b);
+    let json = serde_json::to_value(&diff).expect("has a JSON form");
+    assert_eq!(json["same"], false);
+    assert_eq!(json["compared"]["steps"], 3);
+    assert_eq!(json["compared"]["messages"], 6);
+    for key in ["field", "unit", "max_abs", "max_rel", "first_at_s", "count", "tolerance"] {
+        assert!(json["fields"][0].get(key).is_some(), "{key}");
+    }
+    for key in ["t_s", "node", "field", "a", "b", "reason"] {
+        assert!(json["first_cause"].get(key).is_some(), "{key}");
+    }
+    assert_eq!(json["first_cause"]["a"], "NaN");
+    let back: Diff = serde_json::from_value(json).expect("reads its own JSON");
+    assert_eq!(back, diff);
+    let same = serde_json::to_value(exact(&run(), &run())).expect("has a JSON form");
+    assert!(same["first_cause"].is_null());
+}
