@@ -19,13 +19,13 @@ enum Arm {
     /// Replayed.
     Replayed(Replay<BufReader<File>>),
     /// As it was recorded.
-    Recorded(LogReader<BufReader<File>>),
+    Recorded(Box<LogReader<BufReader<File>>>),
 }
 
 impl Arm {
     fn new(log: &Path, header: &Header, choice: &ControllerChoice, mode: Mode) -> Result<Arm> {
         if *choice == ControllerChoice::Recorded {
-            return Ok(Arm::Recorded(logs::open_raw(log)?));
+            return Ok(Arm::Recorded(Box::new(logs::open_raw(log)?)));
         }
         let spec = choice.for_log(header)?;
         Ok(Arm::Replayed(Replay::new(|| logs::open_raw(log), &spec, mode)?))
@@ -73,7 +73,12 @@ pub fn pair(
         (Ok(a), Ok(b)) => (a, b),
         (a, b) => {
             // One arm that cannot run leaves nothing to compare the other with.
-            let why = |arm: Result<Arm>| Err(arm.err().map_or_else(|| "not run: the other arm failed".to_owned(), |error| format!("{error:#}")));
+            let why = |arm: Result<Arm>| {
+                Err(arm.err().map_or_else(
+                    || "not run: the other arm failed".to_owned(),
+                    |error| format!("{error:#}"),
+                ))
+            };
             (pair.a, pair.b) = (why(a), why(b));
             return Ok(pair);
         }
@@ -90,8 +95,8 @@ fn walk(header: &Header, a: Arm, b: Arm) -> (Result<Measured>, Result<Measured>,
     let start = header.run.start;
     let diff = compare::diff::<anyhow::Error>(
         &Tolerances::exact(),
-        (start, || a.next_event()),
-        (start, || b.next_event()),
+        (start, || Ok(a.next_event())),
+        (start, || Ok(b.next_event())),
     );
     (a.finish(), b.finish(), diff)
 }
@@ -113,16 +118,16 @@ impl Side {
     }
 
     /// The next event. A failure ends this side alone: the other is measured to its end.
-    fn next_event(&self) -> Result<Option<Stamped<Event>>> {
+    fn next_event(&self) -> Option<Stamped<Event>> {
         match self.arm.borrow_mut().next_event() {
             Ok(Some(event)) => {
                 self.meter.borrow_mut().observe(&event);
-                Ok(Some(event))
+                Some(event)
             }
-            Ok(None) => Ok(None),
+            Ok(None) => None,
             Err(error) => {
                 *self.failed.borrow_mut() = Some(error);
-                Ok(None)
+                None
             }
         }
     }

@@ -32,6 +32,9 @@ pub struct Common {
     /// Say nothing but the result
     #[arg(long, short, global = true, help_heading = "Common options")]
     pub quiet: bool,
+    /// Say more on standard error about what is done
+    #[arg(long, short, global = true, help_heading = "Common options", conflicts_with = "quiet")]
+    pub verbose: bool,
     /// Overwrite files that exist
     #[arg(long, global = true, help_heading = "Common options")]
     pub force: bool,

@@ -41,9 +41,7 @@ impl ControllerChoice {
             ControllerChoice::Recorded => {
                 bail!("`recorded` names the outputs in a log; name a controller to run")
             }
-            ControllerChoice::Version { name, overrides, .. } => {
-                resolve(name, scenario, overrides)
-            }
+            ControllerChoice::Version { name, overrides, .. } => resolve(name, scenario, overrides),
         }
     }
 
@@ -95,11 +93,7 @@ impl FromStr for ControllerChoice {
         };
         // Name, keys and ranges are wrong whatever the log is: say so before reading one.
         Spec::resolve(name, &[&overrides])?;
-        Ok(ControllerChoice::Version {
-            typed: typed.to_owned(),
-            name: name.to_owned(),
-            overrides,
-        })
+        Ok(ControllerChoice::Version { typed: typed.to_owned(), name: name.to_owned(), overrides })
     }
 }
 

@@ -80,7 +80,10 @@ impl Fixture {
         let mode = match settings.mode.as_str() {
             "open" => ModeName::Open,
             "closed" => ModeName::Closed,
-            other => return Err(anyhow!("mode = \"{other}\": expected open or closed")).with_context(name),
+            other => {
+                return Err(anyhow!("mode = \"{other}\": expected open or closed"))
+                    .with_context(name);
+            }
         };
         let controller = settings.controller.parse().with_context(name)?;
         Ok(Fixture { folder: folder.to_owned(), controller, mode })
@@ -127,7 +130,7 @@ impl Fixture {
     pub fn write(&self, today: &Today, golden: &Golden) -> Result<()> {
         let path = self.golden_mcap();
         let name = || path.display().to_string();
-        let options = WriterOptions { view: false, ..WriterOptions::default() };
+        let options = WriterOptions { view: false, ..WriterOptions::offline() };
         let mut log = schemas::log::create(&path, &today.header, &options).with_context(name)?;
         for event in &today.events {
             log.write(event).with_context(name)?;

@@ -21,7 +21,8 @@ pub fn each_log<T: Send>(
 ) -> Vec<Result<T>> {
     let cores = || thread::available_parallelism().map_or(1, NonZero::get);
     let threads = common.threads.map_or_else(cores, usize::from).min(logs.len()).max(1);
-    let bar = output::bar(common, logs.len() as u64, label, "{msg} {bar:30} {pos}/{len} logs {eta}");
+    let bar =
+        output::bar(common, logs.len() as u64, label, "{msg} {bar:30} {pos}/{len} logs {eta}");
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<Result<T>>>> = logs.iter().map(|_| Mutex::new(None)).collect();
     thread::scope(|scope| {

@@ -1,6 +1,9 @@
 //! The command line of Tandem: arguments in, a run, an exit status out.
 
-#![expect(unreachable_pub, reason = "a program exports nothing; `pub` marks what other modules use")]
+#![expect(
+    unreachable_pub,
+    reason = "a program exports nothing; `pub` marks what other modules use"
+)]
 
 mod arm;
 mod cli;

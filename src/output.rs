@@ -34,6 +34,12 @@ pub fn say(common: &Common, text: &str) {
     }
 }
 
+/// The same, with `-v` only.
+pub fn detail(common: &Common, text: impl FnOnce() -> String) {
+    if common.verbose {
+        eprintln!("{}", text());
+    }
+}
 
 /// A bar over `length` units on a terminal; nothing elsewhere.
 pub fn bar(common: &Common, length: u64, label: &str, template: &str) -> ProgressBar {

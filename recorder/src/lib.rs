@@ -8,7 +8,6 @@ mod pace;
 
 pub use pace::Pace;
 
-
 use controller::{Runner, Session};
 use schemas::log::{LogError, LogWriter, Sink, Summary};
 use schemas::{Event, Source, Time};

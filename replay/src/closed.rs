@@ -37,7 +37,7 @@ impl<R: Read> ClosedLoop<R> {
         let (sensors, start) = (sensors_of(&header)?, header.run.start);
         let setup = Setup { spec: spec.clone(), scenario: header.scenario, sensors, start };
         let runner = Runner::new(&setup)?;
-        let human = model.from_log(person)?;
+        let human = model.of_log(person)?;
         let simulation = Simulation::new(
             SimulationSetup {
                 scenario: setup.scenario,

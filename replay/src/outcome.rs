@@ -118,9 +118,9 @@ fn difference(a: &Value, b: &Value) -> f64 {
     match (a, b) {
         (Value::Number(a), Value::Number(b)) => number(*a, *b),
         (Value::Pair(a), Value::Pair(b)) => number(a[0], b[0]).max(number(a[1], b[1])),
-        (Value::Pose(a), Value::Pose(b)) => number(a.x_m, b.x_m)
-            .max(number(a.y_m, b.y_m))
-            .max(number(a.theta_rad, b.theta_rad)),
+        (Value::Pose(a), Value::Pose(b)) => {
+            number(a.x_m, b.x_m).max(number(a.y_m, b.y_m)).max(number(a.theta_rad, b.theta_rad))
+        }
         _ => 0.0,
     }
 }

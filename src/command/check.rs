@@ -48,8 +48,7 @@ struct Checked {
 impl Check {
     pub fn run(&self, common: &Common) -> Result<Status> {
         let fixtures = fixture::find(&self.folder)?;
-        let folders: Vec<PathBuf> =
-            fixtures.iter().map(|fixture| fixture.folder.clone()).collect();
+        let folders: Vec<PathBuf> = fixtures.iter().map(|fixture| fixture.folder.clone()).collect();
         let results = fleet::each_log(common, &folders, "checking", |folder| {
             let fixture = fixtures.iter().find(|fixture| fixture.folder == *folder);
             fixture.context("fixture vanished").and_then(check)

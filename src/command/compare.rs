@@ -48,9 +48,16 @@ pub struct Compare {
 impl Compare {
     pub fn run(&self, common: &Common) -> Result<Status> {
         let comparison = self.compare(common)?;
+        for error in comparison.logs.iter().filter_map(|log| log.error.as_ref()) {
+            eprintln!("error: {error}");
+        }
         output::print(common, &comparison, report::terminal)?;
         Ok(match comparison.verdict {
             Verdict::Better | Verdict::Worse | Verdict::Same => Status::Done,
+            // A command that processed nothing has not found anything out.
+            Verdict::Failed if comparison.failed_logs() == comparison.logs.len() => {
+                Status::Impossible
+            }
             Verdict::Failed => Status::Differs,
             Verdict::Undecided => Status::Undecided,
         })
@@ -64,7 +71,9 @@ impl Compare {
             Some(folder) => report_files(folder, common.force)?,
         };
         let results = fleet::each_log(common, &self.logs, "comparing", |log| {
-            arm::pair(log, (&self.a, &self.b), mode)
+            let pair = arm::pair(log, (&self.a, &self.b), mode)?;
+            output::detail(common, || format!("{}: compared", pair.log));
+            Ok(pair)
         });
         let pairs: Vec<LogPair> = self
             .logs

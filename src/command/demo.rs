@@ -1,5 +1,6 @@
 //! `tandem demo`: the whole story in a minute.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -12,7 +13,7 @@ use serde::Serialize;
 
 use crate::cli::Common;
 use crate::command::compare::Compare;
-use crate::command::record::Record;
+use crate::command::record::{Record, SensorsName};
 use crate::command::replay::{HumanName, ModeName};
 use crate::controller_choice::ControllerChoice;
 use crate::status::Status;
@@ -22,14 +23,8 @@ use crate::{fleet, interrupt, logs, output};
 const FOLDER: &str = "tandem-demo";
 
 /// Kinds of random rooms and people, and how many sessions of each.
-const KINDS: [&str; 6] = [
-    "rect:goal",
-    "rect:joystick",
-    "slant:goal",
-    "slant:joystick",
-    "disc:goal",
-    "disc:joystick",
-];
+const KINDS: [&str; 6] =
+    ["rect:goal", "rect:joystick", "slant:goal", "slant:joystick", "disc:goal", "disc:joystick"];
 const SESSIONS_OF_EACH_KIND: u32 = 4;
 
 /// The whole story in a minute: record, replay, compare, and where to look.
@@ -63,21 +58,28 @@ struct ComparedLine {
 }
 
 impl Demo {
+    #[expect(clippy::unused_self, reason = "every command is run alike")]
     pub fn run(&self, common: &Common) -> Result<Status> {
         let folder = Path::new(FOLDER);
         prepare(folder)?;
         let quiet = Common { force: true, quiet: true, ..common.clone() };
 
-        output::say(common, "1. Record: the paper's first experiment, and random rooms with other people.");
+        output::say(
+            common,
+            "1. Record: the paper's first experiment, and random rooms with other people.",
+        );
         let lab = folder.join("case1-lab.mcap");
-        record(&quiet, "case1-lab", "tandem-kinematic", &lab)?;
+        record(&quiet, "case1-lab", "tandem-kinematic", None, &lab)?;
         let mut fleets = Vec::new();
         for recorded_with in ["human", "paper-kinematic"] {
             let logs = record_fleet(common, &quiet, folder, recorded_with)?;
             fleets.push((recorded_with, logs));
         }
 
-        output::say(common, "2. Replay: with the controller that recorded it, a log comes back bit for bit.");
+        output::say(
+            common,
+            "2. Replay: with the controller that recorded it, a log comes back bit for bit.",
+        );
         let replays = [ModeName::Open, ModeName::Closed]
             .map(|mode| replay(&lab, mode.with(HumanName::Playback)))
             .into_iter()
@@ -86,11 +88,17 @@ impl Demo {
             let verdict = if line.identical_to_recorded { "identical" } else { "NOT IDENTICAL" };
             output::say(
                 common,
-                &format!("   {:6} loop: {} steps, {verdict}, hash {:.16}…", line.mode, line.steps, line.output_hash),
+                &format!(
+                    "   {:6} loop: {} steps, {verdict}, hash {:.16}…",
+                    line.mode, line.steps, line.output_hash
+                ),
             );
         }
 
-        output::say(common, "3. Compare: the law as printed against the corrected one, on the same people.");
+        output::say(
+            common,
+            "3. Compare: the law as printed against the corrected one, on the same people.",
+        );
         let mut comparisons = Vec::new();
         for (recorded_with, logs) in fleets {
             let compare = Compare {
@@ -126,7 +134,13 @@ fn prepare(folder: &Path) -> Result<()> {
     fs::write(&marker, "").with_context(name)
 }
 
-fn record(common: &Common, scenario: &str, controller: &str, log: &Path) -> Result<()> {
+fn record(
+    common: &Common,
+    scenario: &str,
+    controller: &str,
+    sensors: Option<SensorsName>,
+    log: &Path,
+) -> Result<()> {
     if interrupt::pressed() {
         bail!("interrupted");
     }
@@ -135,7 +149,7 @@ fn record(common: &Common, scenario: &str, controller: &str, log: &Path) -> Resu
         scenario: scenario.to_owned(),
         controller: controller.parse::<ControllerChoice>()?,
         driver: None,
-        sensors: None,
+        sensors,
         seed: 0,
         duration: None,
         operator: String::new(),
@@ -165,7 +179,8 @@ fn record_fleet(
     let results = fleet::each_log(common, &scenarios, &label, |scenario| {
         let scenario = scenario.to_string_lossy();
         let log = folder.join(format!("{}.mcap", scenario.replace(':', "-")));
-        record(quiet, &scenario, controller, &log)?;
+        // Exact rays: what differs is then the law, not the luck of an echo.
+        record(quiet, &scenario, controller, Some(SensorsName::Exact), &log)?;
         Ok(log)
     });
     results.into_iter().collect()
@@ -190,14 +205,21 @@ fn replay(log: &Path, mode: Mode) -> Result<ReplayedLine> {
 fn text(story: &Story) -> String {
     let mut text = String::new();
     for line in &story.comparisons {
-        text += &format!("\n── people recorded with `{}` ──\n\n", line.recorded_with);
+        let _ = writeln!(text, "\n── people recorded with `{}` ──\n", line.recorded_with);
         text += &compare::report::terminal(&line.comparison);
     }
-    text += &format!(
-        "\nLook at it:\n  a page to read     {0}/report-human/report.html\n  a log to watch     \
-         {0}/case1-lab.mcap (open in Foxglove; the layout is attached)\n\nTry your own:\n  tandem compare --a \
-         tandem-kinematic --b tandem-kinematic:gamma3=4 {0}/recorded-with-human/*.mcap\n",
-        story.folder
+    let folder = &story.folder;
+    let _ = write!(
+        text,
+        "
+Look at it:
+  a page to read     {folder}/report-human/report.html
+  a log to watch     {folder}/case1-lab.mcap (open in Foxglove; the layout is attached)
+
+Try your own:
+  tandem compare --a tandem-kinematic --b tandem-kinematic:gamma3=4 \\
+      {folder}/recorded-with-human/*.mcap
+"
     );
     text
 }

@@ -101,7 +101,8 @@ impl Controllers {
         output::print(common, &entries, |entries| {
             entries.iter().fold(String::new(), |mut text, entry| {
                 let value = format!("{} {}", entry.value, entry.unit);
-                let _ = writeln!(text, "{:22} {:14} {}", entry.key, value.trim_end(), entry.meaning);
+                let _ =
+                    writeln!(text, "{:22} {:14} {}", entry.key, value.trim_end(), entry.meaning);
                 let _ = writeln!(text, "{:22} {:14} {}; {}", "", "", entry.range, entry.source);
                 text
             })
@@ -120,6 +121,7 @@ struct TopicEntry {
 }
 
 impl Topics {
+    #[expect(clippy::unused_self, reason = "every command is run alike")]
     pub fn run(&self, common: &Common) -> Result<Status> {
         let entries: Vec<TopicEntry> = TOPICS
             .iter()

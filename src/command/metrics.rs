@@ -22,11 +22,11 @@ pub struct Metrics {
 
 #[derive(Serialize)]
 struct Runs {
-    runs: Vec<Run>,
+    runs: Vec<MeasuredRun>,
 }
 
 #[derive(Serialize)]
-struct Run {
+struct MeasuredRun {
     run: String,
     metrics: BTreeMap<&'static str, Reading>,
     error: Option<String>,
@@ -86,11 +86,13 @@ impl Metrics {
     }
 }
 
-fn row(run: &Path, result: Result<Measured>) -> Run {
+fn row(run: &Path, result: Result<Measured>) -> MeasuredRun {
     let run = run.display().to_string();
     match result {
-        Err(error) => Run { run, metrics: BTreeMap::new(), error: Some(format!("{error:#}")) },
-        Ok(measured) => Run {
+        Err(error) => {
+            MeasuredRun { run, metrics: BTreeMap::new(), error: Some(format!("{error:#}")) }
+        }
+        Ok(measured) => MeasuredRun {
             run,
             metrics: CATALOGUE
                 .iter()

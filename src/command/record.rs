@@ -48,7 +48,7 @@ pub struct Record {
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub seed: u64,
     /// How long, in seconds [default: the scenario's]
-    #[arg(long, value_name = "SECONDS", value_parser = positive_seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = positive_seconds, allow_negative_numbers = true)]
     pub duration: Option<f64>,
     /// Who was driving, for statistics over people
     #[arg(long, default_value = "", value_name = "NAME", hide_default_value = true)]
@@ -137,6 +137,9 @@ impl Record {
         });
         let spec = self.controller.for_scenario(&scenario)?;
         let (start, duration) = (SIMULATION_EPOCH, Span::from_seconds(scenario.duration_s));
+        output::detail(common, || {
+            format!("{}: {} with\n{}", self.output.display(), scenario.name, spec.params_toml())
+        });
         let human = simulator::driver(&scenario, driver, self.seed)?;
 
         let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
@@ -166,7 +169,9 @@ impl Record {
 
         logs::guard(&self.output, common.force)?;
         let path = || self.output.display().to_string();
-        let options = WriterOptions { view: !self.no_view, ..WriterOptions::default() };
+        let rhythm =
+            if self.realtime { WriterOptions::default() } else { WriterOptions::offline() };
+        let options = WriterOptions { view: !self.no_view, ..rhythm };
         let log = schemas::log::create(&self.output, &header, &options).with_context(path)?;
 
         let bar = output::bar(
@@ -194,8 +199,8 @@ impl Record {
 /// A scenario by name, or from a TOML file.
 pub fn scenario(name: &str) -> Result<Scenario> {
     if Path::new(name).extension().is_some_and(|extension| extension == "toml") {
-        let text = fs::read_to_string(name)
-            .with_context(|| format!("cannot read scenario {name}"))?;
+        let text =
+            fs::read_to_string(name).with_context(|| format!("cannot read scenario {name}"))?;
         return Scenario::from_toml(&text).with_context(|| format!("scenario {name}"));
     }
     Ok(simulator::scenario(name)?)

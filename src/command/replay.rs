@@ -1,8 +1,8 @@
 //! `tandem replay`: logs through a controller again.
 
 use std::fmt::Write as _;
-use std::io::BufWriter;
 use std::fs::File;
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -162,6 +162,17 @@ impl Replay {
     fn replay_one(&self, common: &Common, log: &Path, mode: Mode, several: bool) -> Result<Run> {
         let header = logs::open(log)?.header().clone();
         let spec = self.controller.for_log(&header)?;
+        output::detail(common, || {
+            let run = &header.run;
+            format!(
+                "{}: {} recorded with {}, seed {}; replaying into {}",
+                log.display(),
+                run.scenario,
+                run.controller,
+                run.seed,
+                spec.name
+            )
+        });
         let began = Instant::now();
         let mut replay = replay::Replay::new(|| logs::open_raw(log), &spec, mode)
             .with_context(|| log.display().to_string())?;
@@ -263,7 +274,7 @@ pub struct Writing {
 
 impl Writing {
     pub fn begin(path: PathBuf, header: &Header) -> Result<Writing> {
-        let log = schemas::log::create(&path, header, &WriterOptions::default())
+        let log = schemas::log::create(&path, header, &WriterOptions::offline())
             .with_context(|| path.display().to_string())?;
         Ok(Writing { path, log })
     }
@@ -285,7 +296,8 @@ fn text(runs: &[Run]) -> String {
             let _ = writeln!(text, "{}: not replayed", run.log);
             continue;
         };
-        let loop_name = human.map_or_else(|| run.mode.to_owned(), |h| format!("{} ({h})", run.mode));
+        let loop_name =
+            human.map_or_else(|| run.mode.to_owned(), |h| format!("{} ({h})", run.mode));
         let _ = writeln!(text, "{}", run.log);
         let _ = writeln!(text, "  controller   {} · {loop_name} loop", run.controller);
         let _ = writeln!(

@@ -28,7 +28,7 @@ impl Person {
     }
 
     /// The person of a log.
-    pub(crate) fn from_log<R: Read + 'static>(
+    pub(crate) fn of_log<R: Read + 'static>(
         self,
         log: LogReader<R>,
     ) -> Result<Box<dyn Human>, ReplayError> {
