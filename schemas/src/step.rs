@@ -27,6 +27,17 @@ pub enum Node {
 }
 
 impl Node {
+    /// Every stage, in the order of the data flow.
+    pub const ALL: [Node; 7] = [
+        Node::Input,
+        Node::Estimate,
+        Node::Distances,
+        Node::Reference,
+        Node::Law,
+        Node::Sharing,
+        Node::Command,
+    ];
+
     /// The name used in reports and machine-readable output.
     pub fn name(self) -> &'static str {
         match self {

@@ -1,7 +1,9 @@
 //! Text for a terminal.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
+
+use schemas::Node;
 
 use super::table::{Align, columns};
 use super::view::{METRIC_ALIGNS, METRIC_HEAD, MomentRow, View, ViolationRow};
@@ -9,6 +11,9 @@ use crate::comparison::Comparison;
 
 /// Most rows of a list; the number of those left out is said.
 const MOST_ROWS: usize = 30;
+
+/// Most logs whose first cause is spelt out; the stages are counted over all.
+const MOST_CAUSES: usize = 3;
 
 /// The comparison as aligned text, verdict first.
 pub fn terminal(comparison: &Comparison) -> String {
@@ -35,7 +40,8 @@ pub fn terminal(comparison: &Comparison) -> String {
         );
         text.push_str(&moments(&view.moments));
     }
-    text.push_str("\nfirst cause by log\n");
+    text.push_str("\nfirst cause\n");
+    text.push_str(&causes(comparison));
     text.push_str(&logs(&view));
     if !comparison.report.is_empty() {
         let _ = writeln!(text, "\nreport: {}", comparison.report.join(", "));
@@ -95,18 +101,34 @@ fn moments(all: &[MomentRow]) -> String {
     columns(&[Left, Left, Right, Left, Right, Left], &rows)
 }
 
+/// In how many logs which stage of the data flow was the first to differ.
+fn causes(comparison: &Comparison) -> String {
+    let mut by_node: BTreeMap<&str, usize> = BTreeMap::new();
+    for log in &comparison.logs {
+        if let Some(cause) = &log.first_cause {
+            *by_node.entry(cause.node.as_str()).or_default() += 1;
+        }
+    }
+    let in_order = Node::ALL.iter().filter_map(|node| by_node.get_key_value(node.name()));
+    let counts: Vec<String> = in_order
+        .map(|(node, count)| format!("{node} in {count} of {}", comparison.logs.len()))
+        .collect();
+    if counts.is_empty() { String::new() } else { format!("  {}\n", counts.join(", ")) }
+}
+
+/// What differed first in the first few logs; every log that failed.
 fn logs(view: &View) -> String {
-    let rows: Vec<Vec<String>> = view
-        .logs
-        .iter()
-        .take(MOST_ROWS)
+    let (failed, compared): (Vec<_>, Vec<_>) = view.logs.iter().partition(|log| log.failed);
+    let rows: Vec<Vec<String>> = failed
+        .into_iter()
+        .chain(compared.iter().take(MOST_CAUSES).copied())
         .map(|log| {
             let failed = format!("failed: {}", log.error);
             row(&["", &log.log, if log.failed { &failed } else { &log.first_cause }])
         })
         .collect();
     let mut text = columns(&[Align::Left; 3], &rows);
-    text.push_str(&left_out(view.logs.len(), MOST_ROWS));
+    text.push_str(&left_out(compared.len(), MOST_CAUSES));
     text
 }
 
