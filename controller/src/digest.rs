@@ -51,3 +51,38 @@ impl Digest {
         self.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(numbers: &[f64]) -> u64 {
+        let mut digest = Digest::default();
+        digest.numbers(numbers);
+        digest.value()
+    }
+
+    #[test]
+    fn what_differs_in_a_bit_or_in_order_differs() {
+        assert_ne!(of(&[1.0]), of(&[1.0 + f64::EPSILON]));
+        assert_ne!(of(&[1.0, 2.0]), of(&[2.0, 1.0]));
+        assert_ne!(of(&[0.0]), of(&[-0.0]));
+        assert_ne!(of(&[0.0]), of(&[0.0, 0.0]));
+    }
+
+    #[test]
+    fn every_nan_is_the_same() {
+        assert_eq!(of(&[f64::NAN]), of(&[-f64::NAN]));
+        assert_eq!(of(&[f64::NAN]), of(&[f64::from_bits(0x7ff8_0000_0000_0001)]));
+    }
+
+    #[test]
+    fn a_session_hashes_alike_whenever_it_runs() {
+        let at = |start: u64| {
+            let mut digest = Digest::default();
+            digest.time(Time(start + 5), Time(start));
+            digest.value()
+        };
+        assert_eq!(at(0), at(1_735_689_600_000_000_000));
+    }
+}

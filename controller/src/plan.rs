@@ -1,5 +1,5 @@
-//! The feedback step of the kinematic law, whole: from distances and the displacement to the target
-//! to the input (11), with every quantity on the way.
+//! The feedback step, whole: from distances and the displacement to the target to the input (11) or
+//! (17), with every quantity on the way.
 //!
 //! In: [`Scene`], the rays and the target in the distance frame, and [`Past`], what the previous
 //! step chose. Out: [`Plan`].
@@ -7,10 +7,12 @@
 use schemas::{LawBranch, Reason};
 
 use crate::law::arctangent::nearest_branch;
+use crate::law::dynamic::{self, Speeds};
 use crate::law::star::{Star, StarRates, star, star_rates};
 use crate::law::{Gains, Side, Situation, kinematic};
 use crate::params::Params;
 use crate::side::{SideDistance, choose};
+use crate::spec::Law;
 use crate::wanted::{Wanted, capped_m};
 
 /// What is around the robot, in the distance frame.
@@ -32,6 +34,10 @@ pub struct Scene {
     pub omega_r_radps: f64,
     /// Whether the frame jumped since the previous step.
     pub jumped: bool,
+    /// Present forward speed, m/s (dynamic law).
+    pub v_mps: f64,
+    /// Present turn rate, rad/s (dynamic law).
+    pub omega_radps: f64,
 }
 
 /// What the previous step chose.
@@ -52,9 +58,10 @@ pub struct Plan {
     pub wanted: [Wanted; 2],
     /// What the law saw; its distances are NaN where unknown.
     pub situation: Situation,
-    /// θ* and v*, where they could be formed.
-    pub star: Option<(Star, StarRates)>,
-    /// The feedback input [m/s, rad/s]; zero at rest and where none could be formed.
+    /// What the law made of it, where the distances are known.
+    pub outcome: Option<LawOutcome>,
+    /// The feedback input: [m/s, rad/s] (11), or [m/s², rad/s²] (17). What comes to rest where the
+    /// law rests; zero where none could be formed.
     pub u: [f64; 2],
     /// Which part of the law spoke.
     pub branch: LawBranch,
@@ -62,19 +69,34 @@ pub struct Plan {
     pub trouble: Option<Reason>,
 }
 
+/// The quantities of the law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LawOutcome {
+    /// θ* and v*.
+    pub star: Star,
+    /// Their rates: at v* in the kinematic law, at the present speed in the dynamic one.
+    pub rates: StarRates,
+    /// Wanted turn rate relative to the frame, rad/s: ωe*; in the kinematic law `ω_f` − `ω_r`.
+    pub omega_star_radps: f64,
+    /// Lyapunov function (10) or (16).
+    pub lyapunov: f64,
+    /// The input, whether or not the law rests.
+    pub u: [f64; 2],
+}
+
 impl Plan {
     /// What the next step is to know.
     pub fn past(&self) -> Past {
-        let known = self.star.filter(|_| self.trouble.is_none());
+        let known = self.outcome.filter(|_| self.trouble.is_none());
         Past {
             side: Some(self.situation.side),
-            theta_star_rad: known.map(|(star, _)| star.theta_rad),
+            theta_star_rad: known.map(|outcome| outcome.star.theta_rad),
         }
     }
 }
 
-/// The feedback step.
-pub fn plan(params: &Params, scene: &Scene, past: &Past) -> Plan {
+/// The feedback step. Where the person drives alone it is that of the kinematic law.
+pub fn plan(law: Law, params: &Params, scene: &Scene, past: &Past) -> Plan {
     let capped = [scene.d1_m, scene.d2l_m, scene.d2r_m].map(|d_m| capped_m(d_m, params.cap_m));
     let [d1_m, d2l_m, d2r_m] = capped;
     let ([delta1_m, delta2_m], [q1_mps, q2_mps]) = (scene.delta_m, scene.q_mps);
@@ -106,7 +128,7 @@ pub fn plan(params: &Params, scene: &Scene, past: &Past) -> Plan {
         capped_m: capped,
         wanted: [ahead, aside],
         situation,
-        star: None,
+        outcome: None,
         u: [0.0; 2],
         branch: LawBranch::None,
         trouble: None,
@@ -121,26 +143,57 @@ pub fn plan(params: &Params, scene: &Scene, past: &Past) -> Plan {
     let previous_rad = if fresh { None } else { past.theta_star_rad };
     let mut star = star(&situation, &gains, previous_rad.unwrap_or(scene.theta_e_rad));
     star.theta_rad = nearest_branch(star.theta_rad, scene.theta_e_rad);
-    let rates = star_rates(&situation, &gains, &star, star.v_mps);
-    plan.star = Some((star, rates));
-    let u = kinematic::feedback(
-        &situation,
-        &gains,
-        star.theta_rad,
-        rates.theta_radps,
-        star.v_mps,
-        scene.omega_r_radps,
-    );
-    if !u.iter().all(|x| x.is_finite()) {
+    let outcome = match law {
+        Law::Kinematic | Law::Human => kinematic_outcome(&situation, &gains, star, scene),
+        Law::Dynamic => dynamic_outcome(&situation, &gains, star, scene),
+    };
+    plan.outcome = Some(outcome);
+    if !outcome.u.iter().all(|x| x.is_finite()) {
         plan.trouble = Some(Reason::FeedbackInvalid);
     } else if star.v_mps < params.v_rest_mps {
         plan.branch = LawBranch::Rest;
+        if law == Law::Dynamic {
+            plan.u = [-params.gamma3 * scene.v_mps, -params.gamma4 * scene.omega_radps];
+        }
     } else {
-        plan.u = u;
+        plan.u = outcome.u;
         plan.branch = match side {
             Side::Left => LawBranch::Left,
             Side::Right => LawBranch::Right,
         };
     }
     plan
+}
+
+fn kinematic_outcome(
+    situation: &Situation,
+    gains: &Gains,
+    star: Star,
+    scene: &Scene,
+) -> LawOutcome {
+    let (theta_rad, v_mps, omega_r_radps) = (star.theta_rad, star.v_mps, scene.omega_r_radps);
+    let rates = star_rates(situation, gains, &star, v_mps);
+    let rate_radps = rates.theta_radps;
+    let u = kinematic::feedback(situation, gains, theta_rad, rate_radps, v_mps, omega_r_radps);
+    LawOutcome {
+        star,
+        rates,
+        omega_star_radps: u[1] - omega_r_radps,
+        lyapunov: kinematic::lyapunov(situation, theta_rad),
+        u,
+    }
+}
+
+fn dynamic_outcome(situation: &Situation, gains: &Gains, star: Star, scene: &Scene) -> LawOutcome {
+    let speeds =
+        Speeds { v_mps: scene.v_mps, omega_e_radps: scene.omega_radps - scene.omega_r_radps };
+    // The rate of ω_r is taken as 0 (specification §6).
+    let feedback = dynamic::feedback(situation, gains, &star, &speeds, 0.0);
+    LawOutcome {
+        star,
+        rates: feedback.rates,
+        omega_star_radps: feedback.omega_e_star_radps,
+        lyapunov: feedback.lyapunov,
+        u: feedback.u,
+    }
 }

@@ -82,12 +82,6 @@ pub enum SpecError {
         /// What it is bound by.
         because: String,
     },
-    /// The law is known but not built.
-    #[error("the {law} law is not built yet")]
-    Law {
-        /// Its name.
-        law: &'static str,
-    },
     /// Not TOML.
     #[error("parameters are not TOML: {0}")]
     Toml(#[from] toml::de::Error),

@@ -74,3 +74,54 @@ pub fn direction_rad(vector: [f64; 2], least: f64) -> Option<f64> {
     let [x, y] = vector;
     (libm::hypot(x, y) > least).then(|| libm::atan2(y, x))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use super::*;
+
+    const POSE: Pose = Pose { x_m: 1.0, y_m: 2.0, theta_rad: FRAC_PI_2 };
+
+    fn near(a: [f64; 2], b: [f64; 2]) -> bool {
+        libm::hypot(a[0] - b[0], a[1] - b[1]) < 1e-12
+    }
+
+    /// Straight on: v T ahead. A quarter turn: the corner of the square about the turning circle.
+    #[test]
+    fn the_joystick_predicts_the_end_of_its_arc() {
+        let straight = Target::of_joystick(&POSE, 0.4, 0.0, 1.5);
+        assert!(near(straight.position_m, [1.0, 2.6]), "{straight:?}");
+        assert_eq!(straight.velocity_mps, [0.0; 2]);
+        let omega = FRAC_PI_2 / 1.5;
+        let left = Target::of_joystick(&POSE, 0.5 * omega, omega, 1.5);
+        assert!(near(left.position_m, [0.5, 2.5]), "{left:?}");
+        let back = Target::of_joystick(&POSE, -0.4, 0.0, 1.5);
+        assert!(near(back.position_m, [1.0, 1.4]), "{back:?}");
+        assert!(straight.predicted());
+    }
+
+    /// The intent runs ahead of the target and stops where it stops.
+    #[test]
+    fn the_tasks_intent_runs_ahead() {
+        let task = Task { from_m: [0.0, 0.0], velocity_mps: [0.1, 0.0], until_s: 10.0 };
+        let moving = Target::of_task(&task, 5.0, 2.0);
+        assert!(near(moving.position_m, [0.5, 0.0]) && near(moving.intent_m, [0.7, 0.0]));
+        assert_eq!(moving.velocity_mps, [0.1, 0.0]);
+        let ending = Target::of_task(&task, 9.0, 2.0);
+        assert!(near(ending.intent_m, [1.0, 0.0]));
+        let ended = Target::of_task(&task, 11.0, 2.0);
+        assert!(near(ended.position_m, [1.0, 0.0]));
+        assert_eq!(ended.velocity_mps, [0.0; 2]);
+        assert!(!ended.predicted());
+    }
+
+    #[test]
+    fn what_is_underfoot_has_no_direction() {
+        assert_eq!(direction_rad([0.0, 0.0], 0.0), None);
+        assert_eq!(direction_rad([0.0, 9e-4], UNDERFOOT_M), None);
+        assert_eq!(direction_rad([0.0, 2e-3], UNDERFOOT_M), Some(FRAC_PI_2));
+        assert_eq!(direction_rad([f64::NAN, 1.0], UNDERFOOT_M), None);
+        assert_eq!(Target::hold(&POSE).displacement_m(&POSE), [0.0; 2]);
+    }
+}

@@ -80,3 +80,71 @@ impl Travel {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::FRAC_PI_2;
+
+    use super::*;
+    use crate::law::arctangent::wrap;
+
+    fn travel(v_mps: f64, omega_radps: f64, intent_m: [f64; 2]) -> Travel {
+        let pose = Pose { x_m: 0.0, y_m: 0.0, theta_rad: 0.0 };
+        Travel { pose, v_mps, omega_radps, intent_m, sweep_s: 0.3 }
+    }
+
+    /// 1 m ahead, 2 m to the left, 3 m behind, 4 m to the right.
+    fn around(angle_rad: f64) -> f64 {
+        match libm::round(wrap(angle_rad) / FRAC_PI_2) as i64 {
+            0 => 1.0,
+            1 => 2.0,
+            -1 => 4.0,
+            _ => 3.0,
+        }
+    }
+
+    #[test]
+    fn the_heading_is_the_way_one_goes() {
+        let along = |v: f64| travel(v, 0.0, [0.0; 2]).distance_m(DMode::Heading, around);
+        assert_eq!([along(0.3), along(0.0), along(-0.3)], [1.0, 1.0, 3.0]);
+    }
+
+    #[test]
+    fn intent_and_both_look_where_one_wants_to_be() {
+        let to = |intent_m: [f64; 2], mode| travel(0.3, 0.0, intent_m).distance_m(mode, around);
+        assert_eq!(to([0.0, 1.0], DMode::Intent), 2.0);
+        assert_eq!(to([0.0, 1.0], DMode::Both), 1.0, "the lesser of both");
+        let back = travel(-0.3, 0.0, [0.0, 1.0]).distance_m(DMode::Both, around);
+        assert_eq!(back, 2.0);
+        // Underfoot it is left out.
+        assert_eq!(to([0.0, 9e-4], DMode::Intent), 1.0);
+        assert_eq!(to([0.0, 9e-4], DMode::Both), 1.0);
+    }
+
+    /// Nine rays, evenly from the heading to where 0.3 s of the turn end, inclusive.
+    #[test]
+    fn the_sweep_covers_the_turn() {
+        let turn = travel(0.3, 2.0, [0.0; 2]);
+        let asked = std::cell::RefCell::new(Vec::new());
+        let least = turn.distance_m(DMode::Sweep, |angle_rad| {
+            asked.borrow_mut().push(angle_rad);
+            5.0 - angle_rad
+        });
+        let asked = asked.into_inner();
+        assert_eq!(asked.len(), 9);
+        assert_eq!(asked[0], 0.0);
+        assert!((asked[8] - 0.6).abs() < 1e-12 && (asked[1] - 0.075).abs() < 1e-12);
+        assert!((least - 4.4).abs() < 1e-12);
+    }
+
+    /// One unknown direction among those that count makes D unknown.
+    #[test]
+    fn the_unknown_is_not_passed_over() {
+        let blind_left = |angle_rad: f64| if angle_rad > 0.5 { f64::NAN } else { 1.0 };
+        let turn = travel(0.3, 2.0, [0.0, 1.0]);
+        assert_eq!(turn.distance_m(DMode::Heading, blind_left), 1.0);
+        for mode in [DMode::Intent, DMode::Both, DMode::Sweep] {
+            assert!(turn.distance_m(mode, blind_left).is_nan(), "{mode:?}");
+        }
+    }
+}

@@ -53,3 +53,31 @@ impl Wanted {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distances_are_capped_but_never_invented() {
+        assert_eq!(capped_m(3.0, 1.0), 1.0);
+        assert_eq!(capped_m(f64::INFINITY, 1.0), 1.0);
+        assert_eq!(capped_m(-0.5, 1.0), 1e-4);
+        assert_eq!(capped_m(0.3, 1.0), 0.3);
+        assert!(capped_m(f64::NAN, 1.0).is_nan());
+    }
+
+    /// A target 0.4 m ahead with the edge at 1 m is to be 0.6 m from it, and nearer as it moves on.
+    #[test]
+    fn the_wanted_distance_is_what_remains() {
+        let wanted = Wanted::new(1.0, 0.4, 0.1, 0.5, 0.05);
+        assert!((wanted.d_d_m - 0.6).abs() < 1e-12);
+        let axis = wanted.axis(1.0);
+        assert!((axis.d_r_m - 0.6).abs() < 1e-12);
+        assert!((axis.d_r_rate_mps + 0.1).abs() < 1e-12);
+        assert_eq!(axis.d_r_accel_mps2, 0.0);
+        // Beyond the edge the robot is to stay ε before it, at rest.
+        let beyond = Wanted::new(1.0, 1.4, 0.1, 0.5, 0.05).axis(1.0);
+        assert_eq!((beyond.d_r_m, beyond.d_r_rate_mps), (0.05, 0.0));
+    }
+}

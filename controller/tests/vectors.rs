@@ -6,7 +6,6 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use controller::Params;
 use controller::law::admissible::admissible;
 use controller::law::arctangent::continuous_atan2;
 use controller::law::dynamic::{self, Speeds};
@@ -15,6 +14,7 @@ use controller::law::{Axis, BranchSigns, Gains, Side, Situation, kinematic};
 use controller::plan::{Past, Scene, plan};
 use controller::sharing::{Switch, classify_total, critical_distance_m, select};
 use controller::side::{SideDistance, SideRule, choose};
+use controller::{Law, Params};
 use schemas::Region;
 use serde_json::Value;
 
@@ -330,11 +330,13 @@ fn f_step() {
             theta_e_rad: pair.get("te"),
             omega_r_radps: pair.get("wr"),
             jumped: pair.get("reset") == 1.0,
+            v_mps: f64::NAN,
+            omega_radps: f64::NAN,
         };
         let past =
             Past { side: side(pair.get("side_prev")), theta_star_rad: Some(pair.get("ts_prev")) };
-        let plan = plan(&params, &scene, &past);
-        let (star, _) = plan.star.expect("every distance is known");
+        let plan = plan(Law::Kinematic, &params, &scene, &past);
+        let star = plan.outcome.expect("every distance is known").star;
         pair.expect("side", plan.situation.sigma());
         pair.expect("dr1", plan.situation.ahead.d_r_m);
         pair.expect("dr2", plan.situation.aside.d_r_m);

@@ -16,10 +16,12 @@ fn distance(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-/// The candidate with the smallest edit distance to `name`, the first of equals; empty if there is
-/// no candidate.
+/// The candidate that `name` abbreviates, else that with the smallest edit distance; the first of
+/// equals; empty if there is no candidate.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> &'a str {
-    candidates.min_by_key(|candidate| distance(name, candidate)).unwrap_or_default()
+    candidates
+        .min_by_key(|candidate| (!candidate.starts_with(name), distance(name, candidate)))
+        .unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -36,6 +38,7 @@ mod tests {
     #[test]
     fn the_nearest_is_found() {
         assert_eq!(nearest("gama1", ["gamma3", "gamma1", "lambda"].into_iter()), "gamma1");
+        assert_eq!(nearest("gam", ["lam", "gamma"].into_iter()), "gamma");
         assert_eq!(nearest("x", std::iter::empty()), "");
     }
 }

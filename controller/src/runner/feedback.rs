@@ -7,9 +7,9 @@ use schemas::{Pose, Reason, Step};
 use super::memory::Memory;
 use super::senses::Senses;
 use crate::frame::{Aim, Framed, frame};
-use crate::law::kinematic;
 use crate::params::Params;
 use crate::plan::{Plan, Scene, plan};
+use crate::spec::Law;
 use crate::target::{Target, UNDERFOOT_M, direction_rad};
 
 /// Speed below which a target rests, m/s.
@@ -24,18 +24,21 @@ pub(super) struct Feedback {
 
 /// Everything that law and sharing go by.
 pub(super) struct View<'a> {
+    pub(super) law: Law,
     pub(super) params: &'a Params,
     pub(super) senses: &'a Senses,
     pub(super) pose: &'a Pose,
+    /// Present speeds, [m/s, rad/s].
+    pub(super) speeds: [f64; 2],
     pub(super) target: &'a Target,
 }
 
 impl View<'_> {
-    /// The feedback input of the kinematic law (11).
+    /// The feedback input.
     pub(super) fn feedback(&self, memory: &mut Memory, step: &mut Step) -> Feedback {
         let framed = self.frame(memory.psi_rad);
         let scene = self.scene(&framed);
-        let plan = plan(self.params, &scene, &memory.past);
+        let plan = plan(self.law, self.params, &scene, &memory.past);
         memory.psi_rad = Some(framed.psi_rad);
         memory.past = plan.past();
         note_frame(step, &framed, &scene);
@@ -44,7 +47,7 @@ impl View<'_> {
     }
 
     fn frame(&self, previous_rad: Option<f64>) -> Framed {
-        let View { params, senses, pose, target } = self;
+        let View { params, senses, pose, target, .. } = self;
         let aim = Aim {
             velocity_rad: direction_rad(target.velocity_mps, RESTING_MPS),
             displacement_rad: direction_rad(target.displacement_m(pose), UNDERFOOT_M),
@@ -69,6 +72,8 @@ impl View<'_> {
             theta_e_rad: pose.theta_rad - psi_rad,
             omega_r_radps: framed.omega_r_radps,
             jumped: framed.jumped,
+            v_mps: self.speeds[0],
+            omega_radps: self.speeds[1],
         }
     }
 }
@@ -95,12 +100,12 @@ fn note_plan(step: &mut Step, plan: &Plan) {
     step.d_r2_accel_mps2 = situation.aside.d_r_accel_mps2;
     step.law_branch = plan.branch;
     step.u_f = plan.u;
-    if let Some((star, rates)) = &plan.star {
+    if let Some(outcome) = &plan.outcome {
         (step.z1, step.z2) = (situation.ahead.z(), situation.aside.z());
-        step.theta_star_rad = star.theta_rad;
-        step.theta_star_rate_radps = rates.theta_radps;
-        step.v_star_mps = star.v_mps;
-        step.omega_star_radps = plan.u[1] - step.omega_r_radps;
-        step.lyapunov = kinematic::lyapunov(situation, star.theta_rad);
+        step.theta_star_rad = outcome.star.theta_rad;
+        step.theta_star_rate_radps = outcome.rates.theta_radps;
+        step.v_star_mps = outcome.star.v_mps;
+        step.omega_star_radps = outcome.omega_star_radps;
+        step.lyapunov = outcome.lyapunov;
     }
 }

@@ -4,6 +4,7 @@
 //! the step that explains it. The order within a step is that of the data flow: input, estimate,
 //! distances, reference, law, sharing, command (specification §9).
 
+mod decision;
 mod feedback;
 mod hashing;
 mod memory;
@@ -13,24 +14,17 @@ mod senses;
 mod setup;
 mod sharing;
 
-use schemas::{
-    Command, JoystickSample, Pose, Reason, Sample, SensorSuite, Span, Step, Time, Twist,
-};
+use schemas::{Command, JoystickSample, Reason, Sample, SensorSuite, Span, Step, Time, Twist};
 
 use crate::digest::Digest;
 use crate::estimation::Estimate;
-use crate::safety::{Cone, Limits, Saturation, clip, project, scale};
-use crate::sharing::select;
 use crate::spec::{Law, SpecError};
-use crate::target::Target;
-use crate::travel::direction_of_travel_rad;
-use feedback::{Feedback, View};
+use decision::Facts;
 use memory::Memory;
 use prediction::predict;
 use request::{Request, stale};
 use senses::Senses;
 pub use setup::Setup;
-use sharing::Question;
 
 /// What one step gives.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,7 +39,6 @@ pub struct Outcome {
 #[derive(Clone, Debug)]
 pub struct Runner {
     setup: Setup,
-    limits: Limits,
     senses: Senses,
     joystick: Option<JoystickSample>,
     memory: Memory,
@@ -58,11 +51,10 @@ impl Runner {
     /// A runner that has heard nothing yet.
     ///
     /// # Errors
-    /// The law is not built, or parameters do not go together with the plant's limits.
+    /// Parameters do not go together with the plant's limits.
     pub fn new(setup: &Setup) -> Result<Runner, SpecError> {
         setup.check()?;
         Ok(Runner {
-            limits: Limits::from(&setup.scenario.plant),
             senses: Senses::new(&setup.scenario, setup.sensors, &setup.spec.params),
             setup: setup.clone(),
             joystick: None,
@@ -120,11 +112,11 @@ impl Runner {
         let pose = predict(&pose, self.memory.commanded, delay_s);
         self.senses.advance(now, t_s, &pose);
         let blocked = self.blocked(&estimate, odometry_age_s, t_s);
-        self.decide(&request, &pose, estimate.omega_radps, t_s, blocked, &mut step);
+        let facts = Facts { request: &request, pose: &pose, speeds, t_s, blocked };
+        self.decide(&facts, &mut step);
+        let command = self.command(now, &step, speeds);
+        self.memory.commanded = [command.twist.v_mps, command.twist.omega_radps];
         step.state_hash = self.state_hash();
-
-        let [v_mps, omega_radps] = step.u_s;
-        let command = Command { stamp: now, twist: Twist { v_mps, omega_radps }, accel: None };
         Outcome { step, command }
     }
 }
@@ -155,6 +147,11 @@ impl Runner {
         let sonar = self.setup.sensors == SensorSuite::Sonar;
         if estimate.stamp.is_some() && !estimate.pose.is_finite() {
             Some(Reason::PoseInvalid)
+        } else if self.setup.spec.law == Law::Dynamic
+            && !(estimate.v_mps.is_finite() && estimate.omega_radps.is_finite())
+        {
+            // The speeds are part of the dynamic model's state.
+            Some(Reason::PoseInvalid)
         } else if stale(odometry_age_s, params.odometry_lease_s) {
             Some(Reason::OdometryStale)
         } else if sonar && t_s < params.start_still_s {
@@ -166,91 +163,13 @@ impl Runner {
         }
     }
 
-    /// Reference, law, sharing and command.
-    fn decide(
-        &mut self,
-        request: &Request,
-        pose: &Pose,
-        omega_now_radps: f64,
-        t_s: f64,
-        blocked: Option<Reason>,
-        step: &mut Step,
-    ) {
-        let Runner { setup, limits, senses, memory, .. } = self;
-        let Setup { spec, scenario, sensors, .. } = setup;
-        let params = &spec.params;
-        let u_h = clip(request.u, limits);
-        step.u_h = u_h;
-
-        let target = match &scenario.task {
-            _ if request.trouble.is_some() => Target::hold(pose),
-            Some(task) => Target::of_task(task, t_s, params.intent_s),
-            None => Target::of_joystick(pose, u_h[0], u_h[1], params.prediction_s),
+    /// The command of a step: velocities, or accelerations with the velocities that they lead to.
+    fn command(&self, stamp: Time, step: &Step, speeds: [f64; 2]) -> Command {
+        let accel = (self.setup.spec.law == Law::Dynamic).then_some(step.u_s);
+        let [v_mps, omega_radps] = match accel {
+            None => step.u_s,
+            Some(accel) => self.setup.reached(speeds, accel),
         };
-        step.reference_source = target.source;
-        [step.target_x_m, step.target_y_m] = target.position_m;
-        [step.target_vx_mps, step.target_vy_mps] = target.velocity_mps;
-
-        let cone = params.cone(&scenario.plant, omega_now_radps);
-        let view = View { params, senses, pose, target: &target };
-        let mut feedback = Feedback { u: [0.0; 2], trouble: None };
-        let mut reason = Reason::PoseInvalid;
-        if pose.is_finite() {
-            feedback = view.feedback(memory, step);
-            let (mode, b1_m, b2_m) = params.question(scenario.task.is_some());
-            let margin = params.margin_applies(*sensors);
-            let question = Question { u_h, mode, b1_m, b2_m, margin, cone };
-            reason = view.share(&question, memory, step);
-        }
-
-        if spec.law == Law::Human {
-            step.k = 1.0;
-            step.reason = request.trouble.unwrap_or(Reason::Human);
-            step.u_s_before_projection = u_h;
-            step.u_s = u_h;
-            memory.commanded = u_h;
-            return;
-        }
-
-        let trouble = blocked.or(request.trouble);
-        if trouble.is_some() {
-            memory.switch.human = false;
-        }
-        let human = memory.switch.human;
-        step.k = memory.switch.k();
-        step.reason = match (trouble, feedback.trouble) {
-            (Some(trouble), _) => trouble,
-            (None, Some(trouble)) if !human => trouble,
-            _ => reason,
-        };
-        let u_f = match params.saturation {
-            Saturation::Scale => scale(feedback.u, limits),
-            Saturation::Clip => clip(feedback.u, limits),
-        };
-        let stopped = blocked.is_some() || request.released;
-        let chosen = if stopped { [0.0; 2] } else { select(human, u_f, u_h) };
-        step.saturated = !stopped && !human && u_f != feedback.u;
-        step.u_s_before_projection = chosen;
-        step.u_s = view.made_safe(chosen, human, cone, step.distance_human_m);
-        step.projected = step.u_s != chosen;
-        memory.commanded = step.u_s;
-    }
-}
-
-impl View<'_> {
-    /// The input that may really be applied.
-    fn made_safe(&self, u: [f64; 2], human: bool, cone: Option<Cone>, d_m: f64) -> [f64; 2] {
-        let View { senses, pose, .. } = self;
-        let Some(cone) = cone else {
-            // Contact: the feedback law does not push on (specification §10).
-            let along_rad = direction_of_travel_rad(pose.theta_rad, u[0]);
-            let pushing = !human && d_m <= 0.0 && senses.law_ray_m(pose, along_rad) <= 0.0;
-            return if pushing { [0.0, u[1]] } else { u };
-        };
-        if human {
-            // Granted only because the projection leaves it as it is.
-            return u;
-        }
-        project(&cone, u, pose.theta_rad, |angle_rad| senses.safety_ray_m(pose, angle_rad))
+        Command { stamp, twist: Twist { v_mps, omega_radps }, accel }
     }
 }

@@ -1,9 +1,9 @@
 //! What a runner is made from, and what of it follows from parameters and plant together.
 
-use schemas::{Plant, Scenario, SensorSuite, Time};
+use schemas::{Scenario, SensorSuite, Time};
 
 use crate::params::Params;
-use crate::safety::{Cone, Projection};
+use crate::safety::{Braking, Cone, Limits, Projection, Shield, clip};
 use crate::sharing::Margin;
 use crate::spec::{Law, Spec, SpecError};
 use crate::travel::DMode;
@@ -22,19 +22,22 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Whether law, parameters and plant go together.
+    /// Whether parameters and plant go together.
     pub(super) fn check(&self) -> Result<(), SpecError> {
         let Setup { spec, scenario, sensors, .. } = self;
-        let Spec { law, params, .. } = spec;
-        if *law == Law::Dynamic {
-            return Err(SpecError::Law { law: law.name() });
-        }
-        let (period_s, v_max_mps) = (params.control_period_s, scenario.plant.v_max_mps);
+        let params = &spec.params;
+        let (period_s, plant) = (params.control_period_s, &scenario.plant);
+        let v_max_mps = plant.v_max_mps;
         if params.margin_applies(*sensors) || params.projection == Projection::Cone {
-            // b1²/(1+b1 v_max) ≥ Ts: a period's travel fits into the critical distance
+            // The critical distance of the fastest speed must hold what is travelled in a period
+            // (b1²/(1+b1 v) ≥ Ts), and with accelerations for inputs the way to stop too
             // (specification §5).
-            let travel_m = period_s * v_max_mps;
-            let least_m = 0.5 * (travel_m + libm::sqrt(travel_m * travel_m + 4.0 * period_s));
+            let stopping_s = match spec.law {
+                Law::Dynamic => period_s + v_max_mps / (2.0 * plant.accel_max_mps2),
+                Law::Kinematic | Law::Human => period_s,
+            };
+            let travel_m = stopping_s * v_max_mps;
+            let least_m = 0.5 * (travel_m + libm::sqrt(travel_m * travel_m + 4.0 * stopping_s));
             let task = scenario.task.is_some();
             let (_, b1_m, _) = params.question(task);
             if b1_m < least_m {
@@ -48,8 +51,8 @@ impl Setup {
                 });
             }
         }
-        if let Some(cone) = params.cone(&scenario.plant, scenario.plant.omega_max_radps) {
-            let omega_max_radps = scenario.plant.omega_max_radps;
+        if let Some(Shield::Velocity(cone)) = self.shield([0.0; 2]) {
+            let omega_max_radps = plant.omega_max_radps;
             let half_rad = omega_max_radps * cone.turning_s + cone.spread_rad;
             if half_rad >= std::f64::consts::FRAC_PI_2 {
                 return Err(SpecError::Together {
@@ -64,6 +67,88 @@ impl Setup {
             }
         }
         Ok(())
+    }
+
+    /// The limits of an input.
+    pub(super) fn limits(&self) -> Limits {
+        match self.spec.law {
+            Law::Kinematic | Law::Human => Limits::of_velocity(&self.scenario.plant),
+            Law::Dynamic => Limits::of_acceleration(&self.scenario.plant),
+        }
+    }
+
+    /// The person's input: the velocities asked for, or the accelerations that they become, within
+    /// the limits (specification §7); zero where nothing is asked for.
+    pub(super) fn human_input(
+        &self,
+        requested: [f64; 2],
+        silent: bool,
+        speeds: [f64; 2],
+    ) -> [f64; 2] {
+        let params = &self.spec.params;
+        if self.spec.law != Law::Dynamic || silent || !speeds.iter().all(|x| x.is_finite()) {
+            return if silent { [0.0; 2] } else { requested };
+        }
+        let accel = [
+            params.human_gain_v * (requested[0] - speeds[0]),
+            params.human_gain_omega * (requested[1] - speeds[1]),
+        ];
+        clip(accel, &self.limits())
+    }
+
+    /// The input that stops (specification §10).
+    pub(super) fn stop(&self, speeds: [f64; 2]) -> [f64; 2] {
+        if self.spec.law != Law::Dynamic {
+            return [0.0; 2];
+        }
+        let period_s = self.spec.params.control_period_s;
+        // What is not a number cannot be braked by how much it is.
+        let braked = |speed: f64| if speed.is_finite() { -speed / period_s } else { 0.0 };
+        clip(speeds.map(braked), &self.limits())
+    }
+
+    /// The velocities at the end of a period of constant acceleration.
+    pub(super) fn reached(&self, speeds: [f64; 2], accel: [f64; 2]) -> [f64; 2] {
+        let period_s = self.spec.params.control_period_s;
+        let reached = |speed: f64, accel: f64| {
+            if speed.is_finite() { speed + accel * period_s } else { 0.0 }
+        };
+        clip(
+            [reached(speeds[0], accel[0]), reached(speeds[1], accel[1])],
+            &Limits::of_velocity(&self.scenario.plant),
+        )
+    }
+
+    /// The safety layer of a step that finds the robot at `speeds`.
+    pub(super) fn shield(&self, [v_mps, omega_radps]: [f64; 2]) -> Option<Shield> {
+        let (params, plant) = (&self.spec.params, &self.scenario.plant);
+        if params.projection == Projection::None {
+            return None;
+        }
+        let (period_s, guard_m, v_disc_mps, spread_rad) =
+            (params.control_period_s, params.guard_m, params.v_disc_mps, params.cone_rad);
+        if self.spec.law == Law::Dynamic {
+            return Some(Shield::Acceleration(Braking {
+                period_s,
+                guard_m,
+                v_disc_mps,
+                spread_rad,
+                accel_mps2: plant.accel_max_mps2,
+                alpha_radps2: plant.alpha_max_radps2,
+                v_mps,
+                omega_radps,
+            }));
+        }
+        let brake_mps2 = plant.limits_acceleration.then_some(plant.accel_max_mps2);
+        Some(Shield::Velocity(Cone {
+            period_s,
+            guard_m,
+            v_disc_mps,
+            spread_rad,
+            turning_s: period_s + brake_mps2.map_or(0.0, |a| plant.v_max_mps / a),
+            omega_now_radps: if brake_mps2.is_some() { omega_radps } else { 0.0 },
+            brake_mps2,
+        }))
     }
 }
 
@@ -84,22 +169,5 @@ impl Params {
             Margin::Sonar => sensors == SensorSuite::Sonar,
             Margin::Always => true,
         }
-    }
-
-    /// The safety layer S2 for a plant that turns at `omega_now_radps`.
-    pub(super) fn cone(&self, plant: &Plant, omega_now_radps: f64) -> Option<Cone> {
-        if self.projection == Projection::None {
-            return None;
-        }
-        let brake_mps2 = plant.limits_acceleration.then_some(plant.accel_max_mps2);
-        Some(Cone {
-            period_s: self.control_period_s,
-            guard_m: self.guard_m,
-            v_disc_mps: self.v_disc_mps,
-            spread_rad: self.cone_rad,
-            turning_s: self.control_period_s + brake_mps2.map_or(0.0, |a| plant.v_max_mps / a),
-            omega_now_radps: if brake_mps2.is_some() { omega_now_radps } else { 0.0 },
-            brake_mps2,
-        })
     }
 }

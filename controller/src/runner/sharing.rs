@@ -4,13 +4,16 @@ use schemas::{Reason, Region, Step};
 
 use super::feedback::View;
 use super::memory::Memory;
-use crate::safety::{Cone, project};
+use crate::safety::Shield;
 use crate::sharing::{Sets, classify_printed, classify_total, danger};
+use crate::spec::Law;
 use crate::travel::{DMode, Travel};
 
 /// What the sets are to be asked about, and with which parameters.
 pub(super) struct Question {
-    /// The person's input, within the limits, [m/s, rad/s].
+    /// The velocities that the person asks for, within the limits, [m/s, rad/s].
+    pub(super) request: [f64; 2],
+    /// The person's input: those, or the accelerations that they become.
     pub(super) u_h: [f64; 2],
     pub(super) mode: DMode,
     pub(super) b1_m: f64,
@@ -18,7 +21,29 @@ pub(super) struct Question {
     /// Whether `D_eff` takes the place of D.
     pub(super) margin: bool,
     /// The safety layer, where there is one.
-    pub(super) cone: Option<Cone>,
+    pub(super) shield: Option<Shield>,
+}
+
+/// What the sets say about one velocity.
+#[derive(Clone, Copy)]
+struct Verdict {
+    d_m: f64,
+    d_effective_m: f64,
+    region: Region,
+    danger: f64,
+}
+
+impl Verdict {
+    /// The worse class counts; of equals the first.
+    fn worse(self, other: Verdict) -> Verdict {
+        let rank = |verdict: &Verdict| match verdict.region {
+            Region::Safe => 0,
+            Region::Hysteresis => 1,
+            Region::Danger | Region::Unspecified => 2,
+        };
+        let worse = if rank(&other) > rank(&self) { other } else { self };
+        Verdict { danger: self.danger.max(other.danger), ..worse }
+    }
 }
 
 impl View<'_> {
@@ -33,9 +58,47 @@ impl View<'_> {
         memory: &mut Memory,
         step: &mut Step,
     ) -> Reason {
-        let View { params, senses, pose, target } = self;
-        let Question { u_h, b1_m, b2_m, .. } = *question;
-        let [v_mps, omega_radps] = u_h;
+        let View { params, senses, pose, .. } = self;
+        let mut verdict = self.verdict(question, question.request);
+        // For the dynamic model the request is no input: ask about the present speed as well
+        // (erratum 13). As printed, k is a function of the requested speed alone.
+        if self.law == Law::Dynamic && params.sets == Sets::Total {
+            verdict = verdict.worse(self.verdict(question, self.speeds));
+        }
+        let d_m = verdict.d_m;
+        let mut region = verdict.region;
+        let next = memory.switch.next(region);
+        let altered = next.human
+            && question.shield.is_some_and(|shield| {
+                let ray_m = |angle_rad: f64| senses.safety_ray_m(pose, angle_rad);
+                shield.project(question.u_h, pose.theta_rad, ray_m) != question.u_h
+            });
+        let reason = if altered {
+            region = Region::Danger;
+            verdict.danger = 1.0;
+            Reason::WouldBeProjected
+        } else {
+            match region {
+                _ if next.human => Reason::Human,
+                Region::Danger if d_m.is_nan() => Reason::DistanceUnknown,
+                Region::Danger if d_m <= 0.0 => Reason::Contact,
+                Region::Hysteresis if next.seen_safe => Reason::Hysteresis,
+                Region::Hysteresis => Reason::NotYetSafe,
+                _ => Reason::Danger,
+            }
+        };
+        memory.switch = memory.switch.next(region);
+        step.distance_human_m = d_m;
+        step.distance_effective_m = verdict.d_effective_m;
+        step.danger = verdict.danger;
+        step.region = region;
+        reason
+    }
+
+    /// The class of moving at (v, ω).
+    fn verdict(&self, question: &Question, [v_mps, omega_radps]: [f64; 2]) -> Verdict {
+        let View { params, senses, pose, target, .. } = self;
+        let Question { b1_m, b2_m, .. } = *question;
         // As printed, the set does not look behind, and its D is the one ahead.
         let printed = params.sets == Sets::Printed;
         let travel = Travel {
@@ -51,37 +114,13 @@ impl View<'_> {
         } else {
             d_m
         };
-        step.distance_human_m = d_m;
-        step.distance_effective_m = d_effective_m;
-
-        let mut region = if printed {
+        let region = if printed {
             classify_printed(d_effective_m, v_mps, b1_m, b2_m)
         } else {
             classify_total(d_m, d_effective_m, v_mps, b1_m, b2_m)
         };
-        let next = memory.switch.next(region);
-        let altered = next.human
-            && question.cone.is_some_and(|cone| {
-                let ray_m = |angle_rad: f64| senses.safety_ray_m(pose, angle_rad);
-                project(&cone, u_h, pose.theta_rad, ray_m) != u_h
-            });
-        let reason = if altered {
-            region = Region::Danger;
-            Reason::WouldBeProjected
-        } else {
-            match region {
-                _ if next.human => Reason::Human,
-                Region::Danger if d_m.is_nan() => Reason::DistanceUnknown,
-                Region::Danger if d_m <= 0.0 => Reason::Contact,
-                Region::Hysteresis if next.seen_safe => Reason::Hysteresis,
-                Region::Hysteresis => Reason::NotYetSafe,
-                _ => Reason::Danger,
-            }
-        };
-        memory.switch = memory.switch.next(region);
-        let v_shown_mps = if printed { v_mps.max(0.0) } else { v_mps };
-        step.danger = danger(region, d_effective_m, v_shown_mps, b1_m, b2_m, params.danger_band_m);
-        step.region = region;
-        reason
+        let v_mps = if printed { v_mps.max(0.0) } else { v_mps };
+        let danger = danger(region, d_effective_m, v_mps, b1_m, b2_m, params.danger_band_m);
+        Verdict { d_m, d_effective_m, region, danger }
     }
 }

@@ -61,21 +61,21 @@ impl Cone {
             .map(|share| ray_m(along_rad + share * half_rad))
             .fold(f64::INFINITY, lesser)
     }
-}
 
-/// S2: `u` with its speed brought down to what is free ahead; `u` itself, bit for bit, where its
-/// speed is no more than that. Its turn rate stays.
-pub fn project(cone: &Cone, u: [f64; 2], heading_rad: f64, ray_m: impl Fn(f64) -> f64) -> [f64; 2] {
-    let [v, omega] = u;
-    if v == 0.0 {
-        return u;
+    /// S2: `u` with its speed brought down to what is free ahead; `u` itself, bit for bit, where its
+    /// speed is no more than that. Its turn rate stays.
+    pub fn project(&self, u: [f64; 2], heading_rad: f64, ray_m: impl Fn(f64) -> f64) -> [f64; 2] {
+        let [v, omega] = u;
+        if v == 0.0 {
+            return u;
+        }
+        let limit_mps = self.speed_limit_mps(self.free_m(u, heading_rad, ray_m));
+        if libm::fabs(v) <= limit_mps {
+            return u;
+        }
+        if limit_mps <= 0.0 {
+            return [0.0, omega];
+        }
+        [libm::copysign(limit_mps, v), omega]
     }
-    let limit_mps = cone.speed_limit_mps(cone.free_m(u, heading_rad, ray_m));
-    if libm::fabs(v) <= limit_mps {
-        return u;
-    }
-    if limit_mps <= 0.0 {
-        return [0.0, omega];
-    }
-    [libm::copysign(limit_mps, v), omega]
 }

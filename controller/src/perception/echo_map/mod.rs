@@ -18,6 +18,7 @@
 
 mod beam;
 mod cones;
+mod faces;
 mod gaps;
 mod points;
 mod scan;
@@ -26,6 +27,7 @@ use schemas::{Pose, SONARS, SonarEcho, SonarScan, Time};
 
 use self::beam::{Beam, BodyToWorld, unit};
 use self::cones::{Cones, Reading};
+use self::faces::Faces;
 use self::gaps::Gaps;
 use self::points::{PlacedEcho, Point, Points};
 use self::scan::{Scan, ray_m, sight};
@@ -69,6 +71,7 @@ pub struct EchoMap {
     cones: Cones,
     gaps: Gaps,
     points: Points,
+    faces: Faces,
     law: Scan,
     safety: Scan,
     /// What the gaps' points add, for the law and for the safety layer, metres, world frame.
@@ -87,6 +90,7 @@ impl EchoMap {
             cones: Cones::new(),
             gaps: Gaps::new(),
             points: Points::new(),
+            faces: Faces::new(),
             law: Scan::new(),
             safety: Scan::new(),
             law_gaps: Vec::with_capacity(Gaps::MOST_POINTS),
@@ -174,9 +178,11 @@ impl EchoMap {
         self.cones.range_m(id)
     }
 
-    /// World angle from `from` straight into the nearest face; `None` while no face is known.
-    pub fn face_direction_rad(&self, _from: &Pose) -> Option<f64> {
-        None
+    /// World angle from `from` straight into the nearest face, radians, from −π to π; `None` where too
+    /// few echoes agree on one. To be asked after [`EchoMap::advance`].
+    pub fn face_direction_rad(&self, from: &Pose) -> Option<f64> {
+        let now = self.advanced_to.filter(|_| from.is_finite())?;
+        self.faces.nearest_rad(self.points.iter(), from.position_m(), now)
     }
 
     /// Gives the whole state, as bits, to a hasher.

@@ -131,6 +131,22 @@ fn an_unconfirmed_echo_looks_through_nothing() {
     }
 }
 
+/// Driving for 1 m along a wall on the left at y = 1.5, heard by ids 0 and 15 at 1.364 m. The points on
+/// their axes lie on the wall; its normal is 90°, to within half a cell of the transform.
+#[test]
+fn a_wall_that_is_driven_along_is_a_face() {
+    let mut rig = Rig::new();
+    assert_eq!(rig.map.face_direction_rad(&rig.pose()), None);
+    rig.sweep(&[(0, 1.364), (15, 1.364)]);
+    assert_eq!(rig.map.face_direction_rad(&rig.pose()), None);
+    for _ in 0..10 {
+        rig.go(320, 0.1, 0.0);
+        rig.sweep(&[(0, 1.364), (15, 1.364)]);
+    }
+    let face_deg = rig.map.face_direction_rad(&rig.pose()).unwrap().to_degrees();
+    assert!((face_deg - 90.0).abs() <= 2.5, "{face_deg}");
+}
+
 /// Silence carves nothing: a wall at a slant is silent too.
 #[test]
 fn silence_takes_nothing_away() {

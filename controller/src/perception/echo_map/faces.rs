@@ -1,0 +1,245 @@
+//! Which way the nearest face looks: a Hough transform of the remembered points.
+//!
+//! Every point votes for each line through it: direction of the line's normal by 5°, distance of the
+//! line from the robot by 5 cm. A face is where many points agree; near faces count more than far
+//! ones. An arc's wrong points vote too, but they agree on nothing.
+//!
+//! In random rooms, driven freely for 30 s each, against the true nearest face and up to quarter turns,
+//! which the distance frame does not care for: median error 0.8° and 90th percentile 4° in
+//! rectangular rooms, 1.6° and 8° in slanted ones, known in 93 to 96 % of the steps, with all sensor
+//! faults on. Neither weights for the middle or the edges of an arc nor only the tangents of an arc did better.
+
+use schemas::Time;
+
+use super::beam::unit;
+use super::points::Point;
+
+/// Directions of a normal around the circle: 5° each (prototype).
+const DIRECTIONS: usize = 72;
+
+/// Half of them: the opposite direction has the opposite sign.
+const HALF: usize = DIRECTIONS / 2;
+
+/// Distances of a face: 5 cm each, up to 2.5 m (prototype).
+const CELL_M: f64 = 0.05;
+const CELLS: usize = 50;
+
+/// Votes are counted in whole numbers, which is fast and has no order: points in this many units per
+/// metre, normals in this many per 1, so that products stay far below 2³¹.
+const UNITS_PER_M: f64 = 1024.0;
+const UNITS_PER_1: f64 = 1024.0;
+const UNITS_PER_CELL: u32 = (CELL_M * UNITS_PER_M * UNITS_PER_1) as u32;
+
+/// Points older than this, seconds, or heard from farther away than this, metres, have no vote
+/// (prototype).
+const LIFE_S: f64 = 3.0;
+const REACH_M: f64 = 2.5;
+
+/// Points farther than this from the robot, along either axis, metres, have no vote either: what was
+/// heard from 2.5 m away and has since been left behind at the fastest speed for 3 s is nearer.
+const FARTHEST_M: f64 = 10.0;
+
+/// How many points must agree, within 10 cm. Of 6 to 12 this gave the best angles without losing many.
+const LEAST_SUPPORT: i16 = 10;
+
+/// A face at distance d weighs 1/(0.5 m + d): at 2 m a fifth of what it weighs underfoot. Between 0.3 m
+/// and 1 m the choice moves the availability by 10 % and the angles little.
+const NEAR_M: f64 = 0.5;
+
+/// … also in whole numbers, of this many per 1/m, and with this support at most, so that a weight fits
+/// into 16 bits.
+const WEIGHT_UNITS: f64 = 29.0;
+const MOST_SUPPORT: i16 = 500;
+
+/// How many neighbouring directions on either side share in the refined angle.
+const SPREAD: usize = 2;
+
+/// The transform's constant tables.
+#[derive(Clone, Debug)]
+pub(super) struct Faces {
+    normals: [[i32; 2]; HALF],
+    weights: [i16; CELLS],
+}
+
+/// Votes of one direction; one cell more than counts, so that each has a next.
+type Row = [i16; CELLS + 1];
+
+impl Faces {
+    pub(super) fn new() -> Faces {
+        Faces {
+            normals: std::array::from_fn(|i| {
+                unit(angle_rad(i as f64)).map(|x| libm::round(UNITS_PER_1 * x) as i32)
+            }),
+            weights: std::array::from_fn(|cell| {
+                let distance_m = CELL_M * (cell + 1) as f64;
+                libm::round(WEIGHT_UNITS / (NEAR_M + distance_m)) as i16
+            }),
+        }
+    }
+
+    /// World angle from `from_m` square into the nearest face, radians, from −π to π; `None` where too
+    /// few points agree.
+    pub(super) fn nearest_rad<'a>(
+        &self,
+        points: impl Iterator<Item = &'a Point>,
+        from_m: [f64; 2],
+        now: Time,
+    ) -> Option<f64> {
+        let votes = self.count(points, from_m, now);
+        let (best, cell) = self.heaviest(&votes)?;
+        Some(refined_rad(&votes, best, cell))
+    }
+
+    fn count<'a>(
+        &self,
+        points: impl Iterator<Item = &'a Point>,
+        from_m: [f64; 2],
+        now: Time,
+    ) -> [Row; DIRECTIONS] {
+        let mut votes = [[0; CELLS + 1]; DIRECTIONS];
+        let voters = points.filter(|point| {
+            point.confirmed && point.range_m <= REACH_M && now.seconds_since(point.fired) <= LIFE_S
+        });
+        for point in voters {
+            let offset_m = [point.at_m[0] - from_m[0], point.at_m[1] - from_m[1]];
+            if offset_m[0].abs().max(offset_m[1].abs()) > FARTHEST_M {
+                continue;
+            }
+            let [x, y] = offset_m.map(|metres| (UNITS_PER_M * metres) as i32);
+            for (index, [normal_x, normal_y]) in self.normals.iter().enumerate() {
+                let distance = x * normal_x + y * normal_y;
+                let direction = if distance < 0 { index + HALF } else { index };
+                let cell = (distance.unsigned_abs() / UNITS_PER_CELL) as usize;
+                if cell < CELLS {
+                    votes[direction][cell] += 1;
+                }
+            }
+        }
+        votes
+    }
+
+    /// The direction and the cell, together with its next, that carry most weight; `None` if even they
+    /// have too little support.
+    fn heaviest(&self, votes: &[Row; DIRECTIONS]) -> Option<(usize, usize)> {
+        let weight =
+            |row: &Row, cell: usize| support(row, cell).min(MOST_SUPPORT) * self.weights[cell];
+        let mut best = 0;
+        let mut best_weight = 0;
+        for (direction, row) in votes.iter().enumerate() {
+            let heaviest = (0..CELLS).fold(0, |most, cell| weight(row, cell).max(most));
+            if heaviest > best_weight {
+                best = direction;
+                best_weight = heaviest;
+            }
+        }
+        let cell = (0..CELLS).find(|cell| weight(&votes[best], *cell) == best_weight)?;
+        (support(&votes[best], cell) >= LEAST_SUPPORT).then_some((best, cell))
+    }
+}
+
+/// Points on a line of a row, within the cell and its next: a line on the edge of a cell is not split.
+fn support(row: &Row, cell: usize) -> i16 {
+    row[cell] + row[cell + 1]
+}
+
+/// The centroid of the directions about the best one. The cube of the support tells a peak from the
+/// broad foot that every Hough peak stands on.
+fn refined_rad(votes: &[Row; DIRECTIONS], best: usize, cell: usize) -> f64 {
+    let most = f64::from(support(&votes[best], cell));
+    let cells = cell.saturating_sub(1)..=(cell + 1).min(CELLS - 1);
+    let (mut moment, mut mass) = (0.0, 0.0);
+    for step in 0..=2 * SPREAD {
+        let off = step as f64 - SPREAD as f64;
+        let row = &votes[(best + DIRECTIONS + step - SPREAD) % DIRECTIONS];
+        let like = cells.clone().map(|cell| support(row, cell)).max().unwrap_or(0);
+        let share = (f64::from(like) / most).min(1.0);
+        let cube = share * share * share;
+        moment += cube * off;
+        mass += cube;
+    }
+    let direction = best as f64 + moment / mass;
+    let turned = if direction > HALF as f64 { direction - DIRECTIONS as f64 } else { direction };
+    angle_rad(turned)
+}
+
+fn angle_rad(direction: f64) -> f64 {
+    (360.0 / DIRECTIONS as f64 * direction).to_radians()
+}
+
+#[cfg(test)]
+mod tests {
+    use schemas::SIMULATION_EPOCH;
+
+    use super::super::beam::ARC_POINTS;
+    use super::super::points::PlacedEcho;
+    use super::*;
+
+    fn heard(at_m: [f64; 2], range_m: f64, confirmed: bool) -> Point {
+        let echo = PlacedEcho {
+            from_m: [0.0; 2],
+            axis: [1.0, 0.0],
+            arc_m: [at_m; ARC_POINTS],
+            range_m,
+            fired: SIMULATION_EPOCH,
+            odometer_m: 0.0,
+        };
+        Point::new(&echo, at_m, confirmed)
+    }
+
+    /// Points every 10 cm along 2 m of a wall whose foot stands at `distance_m` in the direction
+    /// `normal_deg` from the origin.
+    fn wall(normal_deg: f64, distance_m: f64) -> Vec<Point> {
+        let [cos, sin] = unit(normal_deg.to_radians());
+        (-10..=10)
+            .map(|i| 0.1 * f64::from(i))
+            .map(|along_m| {
+                let at_m = [distance_m * cos - along_m * sin, distance_m * sin + along_m * cos];
+                heard(at_m, 1.0, true)
+            })
+            .collect()
+    }
+
+    fn nearest_deg(points: &[Point]) -> Option<f64> {
+        Faces::new().nearest_rad(points.iter(), [0.0; 2], SIMULATION_EPOCH).map(f64::to_degrees)
+    }
+
+    fn apart_deg(a: f64, b: f64) -> f64 {
+        let turn = (a - b).rem_euclid(360.0);
+        turn.min(360.0 - turn)
+    }
+
+    /// Within half a cell of 5°, whichever way the wall stands; between −180° and 180°.
+    #[test]
+    fn a_wall_is_found_at_every_angle() {
+        for normal_deg in -180..180 {
+            let found = nearest_deg(&wall(f64::from(normal_deg), 0.8)).unwrap();
+            assert!(apart_deg(found, f64::from(normal_deg)) <= 2.5, "{normal_deg} {found}");
+            assert!((-180.0..=180.0).contains(&found));
+        }
+    }
+
+    #[test]
+    fn the_nearer_of_two_like_walls_counts() {
+        let mut points = wall(0.0, 1.5);
+        points.extend(wall(90.0, 0.6));
+        assert!(apart_deg(nearest_deg(&points).unwrap(), 90.0) <= 2.5);
+        let mut points = wall(0.0, 0.5);
+        points.extend(wall(90.0, 1.6));
+        assert!(apart_deg(nearest_deg(&points).unwrap(), 0.0) <= 2.5);
+    }
+
+    /// Nine points agree on nothing yet; neither do points that are unconfirmed, old or far away.
+    #[test]
+    fn too_few_voters_say_nothing() {
+        let all = wall(0.0, 1.0);
+        assert!(nearest_deg(&all[..9]).is_none());
+        assert!(nearest_deg(&all[..10]).is_some());
+        assert!(nearest_deg(&[]).is_none());
+        let unconfirmed: Vec<Point> = all.iter().map(|p| heard(p.at_m, 1.0, false)).collect();
+        assert!(nearest_deg(&unconfirmed).is_none());
+        let later = SIMULATION_EPOCH.after_ns(3_000_000_001);
+        assert!(Faces::new().nearest_rad(all.iter(), [0.0; 2], later).is_none());
+        let far: Vec<Point> = all.iter().map(|p| heard(p.at_m, 2.6, true)).collect();
+        assert!(nearest_deg(&far).is_none());
+    }
+}
