@@ -1,0 +1,109 @@
+//! `tandem diff`, `metrics` and `compare`, from the command line to the machine-readable result.
+
+use std::fs;
+
+use crate::program::Workplace;
+
+#[test]
+fn a_run_does_not_differ_from_itself() {
+    let here = Workplace::new();
+    here.record("a.mcap", "--scenario case1 --duration 20");
+    let diff = here.tandem("diff --format json a.mcap a.mcap").succeeds().json();
+    assert_eq!(diff["same"], true);
+    assert!(diff["compared"]["steps"].as_u64().unwrap() > 100);
+    assert_eq!(diff["first_cause"], serde_json::Value::Null);
+}
+
+#[test]
+fn a_diff_names_the_first_cause() {
+    let here = Workplace::new();
+    here.record("a.mcap", "--scenario case1 --duration 20");
+    here.tandem("replay --controller tandem-kinematic:gamma3=2.1 a.mcap -o b.mcap").succeeds();
+    let diff = here.tandem("diff --format json a.mcap b.mcap").exits(1).json();
+    assert_eq!(diff["same"], false);
+    // A gain of the law changes nothing before the law.
+    assert_eq!(diff["first_cause"]["node"], "law", "{}", diff["first_cause"]);
+    assert!(diff["first_cause"]["t_s"].as_f64().unwrap() >= 0.0);
+    assert!(!diff["fields"].as_array().unwrap().is_empty());
+}
+
+/// Twelve sessions are recorded with `human`; A against A says `same`, and the printed law against
+/// the corrected one says where the admissible set was left.
+#[test]
+fn versions_are_compared_on_the_same_people() {
+    let here = Workplace::new();
+    let mut logs = String::new();
+    for kind in ["rect:goal", "rect:joystick", "slant:goal", "slant:joystick"] {
+        for number in 1..=3 {
+            let name = format!("{}-{number}.mcap", kind.replace(':', "-"));
+            here.record(&name, &format!("--scenario random:{kind}:{number} --controller human"));
+            logs.extend([" ", &name]);
+        }
+    }
+
+    let same = here
+        .tandem(&format!("compare --format json --a tandem-kinematic --b tandem-kinematic {logs}"))
+        .succeeds()
+        .json();
+    assert_eq!(same["verdict"], "same");
+    assert_eq!(same["logs"].as_array().unwrap().len(), 12);
+    for metric in same["metrics"].as_array().unwrap() {
+        assert!(metric["delta"] == 0.0 || metric["delta"].is_null(), "{metric}");
+    }
+
+    let run = here.tandem(&format!(
+        "compare --format json --a human --b tandem-kinematic --report report {logs}"
+    ));
+    let json = run.json();
+    assert!(
+        ["better", "worse", "undecided", "failed"].contains(&json["verdict"].as_str().unwrap())
+    );
+    // The unassisted person leaves the set in such rooms; the corrected law is not to.
+    let violations = json["violations"].as_array().unwrap();
+    assert!(violations.iter().any(|violation| violation["arm"] == "a"), "{violations:?}");
+    for violation in violations {
+        for key in ["log", "t_s", "kind", "arm"] {
+            assert!(!violation[key].is_null(), "{violation}");
+        }
+    }
+    // Every log is accounted for, and every report exists.
+    assert_eq!(json["logs"].as_array().unwrap().len(), 12);
+    let reports = json["report"].as_array().unwrap();
+    for ending in [".html", ".md", ".json"] {
+        let report = reports.iter().find(|path| path.as_str().unwrap().ends_with(ending));
+        let path = report.unwrap_or_else(|| panic!("a {ending} report")).as_str().unwrap();
+        assert!(fs::metadata(here.path(path)).unwrap().len() > 1000, "{path}");
+    }
+}
+
+#[test]
+fn a_log_that_fails_is_counted() {
+    let here = Workplace::new();
+    here.record("good.mcap", "--scenario random:rect:goal:1 --controller human");
+    fs::write(here.path("bad.mcap"), "not a log").unwrap();
+    let run = here
+        .tandem("compare --format json --a human --b tandem-kinematic good.mcap bad.mcap")
+        .exits(1);
+    let json = run.json();
+    assert_eq!(json["verdict"], "failed");
+    let statuses: Vec<_> = json["logs"].as_array().unwrap().iter().map(|l| &l["status"]).collect();
+    assert_eq!(statuses.len(), 2, "nothing is dropped");
+    assert!(json.to_string().contains("not an MCAP file"), "the reason is given");
+}
+
+#[test]
+fn metrics_of_a_run_and_their_catalogue() {
+    let here = Workplace::new();
+    here.record("a.mcap", "--scenario case1");
+    let json = here.tandem("metrics --format json a.mcap").succeeds().json();
+    let metrics = &json["runs"][0]["metrics"];
+    // Case I: the law takes over for a while, and nothing is touched (clearance >= 0.03 m, section V).
+    let share = metrics["human_share"]["value"].as_f64().unwrap();
+    assert!(share > 0.0 && share < 1.0, "{share}");
+    assert!(metrics["min_clearance_m"]["value"].as_f64().unwrap() >= 0.03);
+    assert_eq!(metrics["collisions"]["value"], 0.0);
+    let list = here.tandem("metrics").succeeds();
+    for name in ["min_clearance_m", "human_share", "override_m"] {
+        assert!(list.stdout.contains(name), "{}", list.stdout);
+    }
+}

@@ -1,0 +1,86 @@
+//! Replay with the controller that recorded a log gives the recording back, bit for bit.
+//!
+//! Open loop shows that a step depends on nothing but what the log holds; closed loop shows that
+//! recording and replaying share one loop, one world and one set of sensors.
+
+use crate::program::Workplace;
+
+const SESSIONS: [&str; 9] = [
+    "--scenario case1",
+    "--scenario case1 --controller paper-kinematic --seed 3",
+    "--scenario case2 --controller tandem-kinematic:margin=always",
+    "--scenario case3 --duration 40",
+    "--scenario case1-lab --duration 20 --seed 5",
+    "--scenario random:rect:goal:1 --controller human",
+    "--scenario random:slant:joystick:2 --seed 9",
+    "--scenario random:disc:goal:3 --controller paper-kinematic",
+    "--scenario random:disc:joystick:4 --sensors exact",
+];
+
+#[test]
+fn the_recording_comes_back() {
+    let here = Workplace::new();
+    let mut logs = String::new();
+    for (index, session) in SESSIONS.iter().enumerate() {
+        let name = format!("{index}.mcap");
+        here.record(&name, session);
+        logs.extend([" ", &name]);
+    }
+    for mode in ["open", "closed"] {
+        let result = here.tandem(&format!("replay --format json --mode {mode} {logs}")).succeeds();
+        let runs = result.json()["runs"].as_array().unwrap().clone();
+        assert_eq!(runs.len(), SESSIONS.len());
+        for (run, session) in runs.iter().zip(SESSIONS) {
+            assert_eq!(run["identical_to_recorded"], true, "{mode} {session}: {run}");
+            assert_eq!(run["max_deviation"], serde_json::Value::Null, "{mode} {session}");
+            assert!(run["steps"].as_u64().unwrap() > 10, "{mode} {session}");
+        }
+        // Twice the same, whatever the number of threads.
+        let again = here
+            .tandem(&format!("replay --format json --threads 1 --mode {mode} {logs}"))
+            .succeeds();
+        let hashes = |runs: &serde_json::Value| {
+            let runs = runs["runs"].as_array().unwrap();
+            runs.iter().map(|run| run["output_hash"].clone()).collect::<Vec<_>>()
+        };
+        assert_eq!(hashes(&result.json()), hashes(&again.json()));
+    }
+}
+
+#[test]
+fn a_recording_is_made_again_by_the_same_command() {
+    let here = Workplace::new();
+    let options = "--scenario case1-lab --seed 7 --duration 10";
+    let [a, b] =
+        ["a.mcap", "b.mcap"].map(|name| std::fs::read(here.record(name, options)).unwrap());
+    assert!(a == b, "the same command makes the same bytes");
+    let other = here.record("c.mcap", "--scenario case1-lab --seed 8 --duration 10");
+    assert!(a != std::fs::read(other).unwrap(), "another seed makes another session");
+}
+
+#[test]
+fn another_controller_is_not_identical() {
+    let here = Workplace::new();
+    here.record("log.mcap", "--scenario case1");
+    let run = here.tandem("replay --format json --controller paper-kinematic log.mcap").succeeds();
+    let run = &run.json()["runs"][0];
+    assert_eq!(run["identical_to_recorded"], false);
+    assert!(run["max_deviation"].as_f64().unwrap() > 0.0);
+}
+
+#[test]
+fn a_replay_written_to_a_log_is_a_log() {
+    let here = Workplace::new();
+    here.record("log.mcap", "--scenario random:rect:joystick:6");
+    here.tandem("replay --mode closed --controller paper-kinematic log.mcap -o other.mcap")
+        .succeeds();
+    // It says what made it, and replays identically in its turn.
+    let info = here.tandem("info --format json other.mcap").succeeds().json();
+    assert_eq!(info["run"]["controller"], "paper-kinematic");
+    assert_eq!(info["run"]["source_hash"].as_str().unwrap().len(), 64);
+    let again = here.tandem("replay --format json --mode closed other.mcap").succeeds().json();
+    assert_eq!(again["runs"][0]["identical_to_recorded"], true);
+    // Nothing is overwritten unasked.
+    here.tandem("replay log.mcap -o other.mcap").exits(2);
+    here.tandem("replay log.mcap -o other.mcap --force").succeeds();
+}

@@ -1,0 +1,8 @@
+//! The program as a user runs it: real processes, real files.
+
+mod bad_input;
+mod comparison;
+mod exact_replay;
+mod fixtures;
+mod help;
+mod program;
