@@ -1,0 +1,34 @@
+# The same checks that .ci/run makes, one by one.
+
+# Everything that must hold before a change may land
+ci:
+    .ci/run
+
+# All tests
+test:
+    cargo test --workspace --locked
+
+# Formatting, lints and documentation
+lint:
+    cargo fmt --all --check
+    cargo clippy --workspace --all-targets --locked -- -D warnings
+    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked --document-private-items
+
+# The same hash everywhere (needs debug and release builds)
+determinism:
+    cargo build --locked
+    cargo build --release --locked
+    .ci/determinism
+
+# Independent readers of the logs (needs a release build)
+readers:
+    cargo build --release --locked
+    .ci/readers
+
+# Licences, banned crates and sources (needs cargo-deny)
+deny:
+    cargo deny check licenses bans sources
+
+# Make the fixtures again
+fixtures:
+    fixtures/make
