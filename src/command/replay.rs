@@ -312,6 +312,9 @@ fn text(runs: &[Run]) -> String {
                 run.max_deviation.unwrap_or(f64::NAN),
                 run.max_deviation_at_s.unwrap_or(f64::NAN)
             ),
+            (false, None) if run.error.is_some() => {
+                "no difference as far as the log goes".to_owned()
+            }
             (false, None) => "differs, though in no number of a step".to_owned(),
         };
         let _ = writeln!(text, "  recording    {verdict}");

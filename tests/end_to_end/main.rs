@@ -5,4 +5,5 @@ mod comparison;
 mod exact_replay;
 mod fixtures;
 mod help;
+mod interruption;
 mod program;
