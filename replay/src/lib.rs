@@ -6,7 +6,7 @@
 //!   world; sensors are simulated anew from the recorded seed. It answers what would have
 //!   *happened*.
 //!
-//! In goes a [`LogReader`](schemas::log::LogReader) and a controller's [`Spec`](controller::Spec);
+//! In goes a [`LogReader`] and a controller's [`Spec`];
 //! out come the events of the replayed session, one by one ([`Replay::next_event`]), and an
 //! [`Outcome`] that says whether they are those of the recording, bit for bit. Replay re-executes:
 //! nothing that the recorded controller said is ever copied into a result.

@@ -92,7 +92,7 @@ impl Cell {
     }
 }
 
-/// The cells of a step in the order of [`super::field::STEP_ROWS`].
+/// The cells of a step in the order of `STEP_ROWS`.
 pub(super) fn step_cells(step: &Step) -> Vec<Cell> {
     let mut cells = vec![Cell::Integer(i64::try_from(step.step_index).unwrap_or(i64::MAX))];
     for value in step.values() {

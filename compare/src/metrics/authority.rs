@@ -145,7 +145,7 @@ impl Accumulate for Chatter {
     }
 }
 
-/// `deadlock_s` = ∫ 1[‖S `u_h`‖ > δ and the robot does not move] dt.
+/// `deadlock_s` = ∫ 1{‖S `u_h`‖ > δ and the robot does not move} dt.
 #[derive(Debug)]
 pub(super) struct Deadlock {
     limits: Limits,

@@ -31,7 +31,7 @@ impl Accumulate for MinClearance {
     }
 }
 
-/// `near_miss_s` = ∫ 1[0 < d < `NEAR_MISS_M`] dt.
+/// `near_miss_s` = ∫ 1{0 < d < `NEAR_MISS_M`} dt.
 #[derive(Debug, Default)]
 pub(super) struct NearMiss {
     exposed_s: f64,

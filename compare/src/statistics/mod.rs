@@ -4,8 +4,8 @@
 //! recorded. Every quantity here is a paired difference per log, B − A.
 //!
 //! - [`bca`]: an interval for the mean difference, from resampling the logs;
-//! - [`sign_flip`]: how often chance alone would give so large a mean difference;
-//! - [`holm`]: several such tests at once.
+//! - [`sign_flip()`]: how often chance alone would give so large a mean difference;
+//! - [`holm()`]: several such tests at once.
 
 mod bootstrap;
 mod generator;
