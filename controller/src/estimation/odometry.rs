@@ -19,6 +19,7 @@ use schemas::{EncoderSample, ImuSample, Pose, Time};
 
 use super::gyro_bias::GyroBias;
 use super::trail::Trail;
+use crate::digest::Digest;
 
 /// A gyro silent for longer than this, seconds, leaves the heading to the wheels. Five samples of the
 /// 100 Hz gyro.
@@ -120,14 +121,8 @@ impl Odometry {
         if !plausible || !self.is_news(self.gyro.map(|(stamp, _)| stamp), sample.stamp) {
             return;
         }
-        let standing = self
-            .standing_since
-            .is_some_and(|since| sample.stamp.seconds_since(since) >= STANDING_S);
-        self.omega_radps = if standing && self.bias.learn(rate_radps) {
-            0.0
-        } else {
-            rate_radps - self.bias.radps()
-        };
+        self.bias.hear(rate_radps);
+        self.omega_radps = rate_radps - self.bias.radps();
         self.gyro = Some((sample.stamp, rate_radps));
         let silent_s = self.integrated_to.map_or(0.0, |newest| sample.stamp.seconds_since(newest));
         self.gyro_gap |= silent_s > GYRO_HOLD_S;
@@ -163,6 +158,7 @@ impl Odometry {
             self.trail.forget_after(previous.stamp);
             self.turn(self.omega_radps, elapsed_s);
         }
+        self.note_standing(&previous, sample);
         if self.path_duration_s <= 0.0 {
             self.turn(0.0, elapsed_s);
         }
@@ -172,7 +168,6 @@ impl Odometry {
 
         self.v_mps = reported_speed_mps(sample).unwrap_or(travel_m / elapsed_s);
         self.odometer_m += travel_m.abs();
-        self.note_standing(&previous, sample);
         self.reach(sample.stamp);
     }
 
@@ -218,38 +213,26 @@ impl Odometry {
         self.bias.radps()
     }
 
-    /// Gives the whole state, as bits, to a hasher.
-    pub fn fold_state(&self, fold: &mut impl FnMut(u64)) {
-        let numbers = [
-            self.anchor.x_m,
-            self.anchor.y_m,
-            self.anchor.theta_rad,
-            self.theta_rad,
-            self.path_s[0],
-            self.path_s[1],
-            self.path_duration_s,
-            self.v_mps,
-            self.omega_radps,
-            self.odometer_m,
-        ];
-        for number in numbers {
-            fold(number.to_bits());
-        }
-        for stamp in [self.integrated_to, self.standing_since] {
-            fold(stamp.map_or(u64::MAX, |stamp| stamp.0));
+    /// Takes the whole state into a hash; `start` is the start of the session.
+    pub(crate) fn fold(&self, digest: &mut Digest, start: Time) {
+        digest.pose(&self.anchor);
+        digest.numbers(&self.path_s);
+        digest.numbers(&[self.theta_rad, self.path_duration_s]);
+        digest.numbers(&[self.v_mps, self.omega_radps, self.odometer_m]);
+        digest.word(u64::from(self.gyro_gap));
+        for stamp in [self.integrated_to, self.standing_since].into_iter().flatten() {
+            digest.time(stamp, start);
         }
         if let Some((stamp, rate_radps)) = self.gyro {
-            fold(stamp.0);
-            fold(rate_radps.to_bits());
+            digest.time(stamp, start);
+            digest.number(rate_radps);
         }
         if let Some(wheels) = &self.wheels {
-            fold(wheels.stamp.0);
-            fold(wheels.left_m.to_bits());
-            fold(wheels.right_m.to_bits());
+            digest.time(wheels.stamp, start);
+            digest.numbers(&[wheels.left_m, wheels.right_m]);
         }
-        fold(u64::from(self.gyro_gap));
-        self.bias.fold_state(fold);
-        self.trail.fold_state(fold);
+        self.bias.fold(digest);
+        self.trail.fold(digest, start);
     }
 
     /// Whether a sample at `stamp` is newer than the last of its kind. A clock that was set back
@@ -318,14 +301,27 @@ impl Odometry {
         }
     }
 
-    /// Since when the wheels stand still: no travel counted, no speed reported.
+    /// Notes whether the wheels have stood since the previous sample: no travel counted, no speed
+    /// reported. If they have for long enough, what the gyro said meanwhile was its bias, and the
+    /// heading is what it was.
     fn note_standing(&mut self, previous: &EncoderSample, sample: &EncoderSample) {
         let at_rest = sample.left_m == previous.left_m
             && sample.right_m == previous.right_m
             && reported_speed_mps(sample)
                 .is_none_or(|_| sample.left_mps.abs().max(sample.right_mps.abs()) <= STANDING_MPS);
-        self.standing_since =
-            if at_rest { self.standing_since.or(Some(previous.stamp)) } else { None };
+        if !at_rest {
+            self.standing_since = None;
+            self.bias.moved();
+            return;
+        }
+        let since = *self.standing_since.get_or_insert(previous.stamp);
+        if sample.stamp.seconds_since(since) < STANDING_S {
+            self.bias.moved();
+        } else if self.bias.stood() {
+            self.drop_anchor(self.anchor);
+            self.trail.forget_after(previous.stamp);
+            self.omega_radps = 0.0;
+        }
     }
 
     /// The pose at the newest sample: beyond the anchor with the speed of the anchor, which holds

@@ -4,6 +4,8 @@ use std::collections::VecDeque;
 
 use schemas::{Pose, Time};
 
+use crate::digest::Digest;
+
 /// How many instants are kept. Gyro (100 Hz) and encoders (50 Hz) share instants, so this is 1.28 s,
 /// well over the 0.5 s after which a sonar reading counts as unknown (specification, section 10).
 const KNOTS: usize = 128;
@@ -82,12 +84,11 @@ impl Trail {
         None
     }
 
-    pub(super) fn fold_state(&self, fold: &mut impl FnMut(u64)) {
+    pub(super) fn fold(&self, digest: &mut Digest, start: Time) {
         for knot in &self.knots {
-            fold(knot.at.0);
-            fold(knot.pose.x_m.to_bits());
-            fold(knot.pose.y_m.to_bits());
-            fold(knot.pose.theta_rad.to_bits());
+            digest.time(knot.at, start);
+            digest.pose(&knot.pose);
+            digest.numbers(&knot.path_s);
         }
     }
 }

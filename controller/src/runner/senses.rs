@@ -134,8 +134,8 @@ impl Senses {
                 }
             }
             Senses::Sonar(sonar) => {
-                sonar.odometry.fold_state(&mut |word| digest.word(word));
-                sonar.map.fold_state(&mut |word| digest.word(word));
+                sonar.odometry.fold(digest, start);
+                sonar.map.fold(digest, start);
             }
         }
     }

@@ -3,6 +3,7 @@
 use schemas::{SONAR_REACH_M, SONARS, SonarEcho, Time};
 
 use super::beam::{Beam, HALF_CONE_DEG};
+use crate::digest::Digest;
 
 /// Age from which a reading no longer counts and its cone is unknown, seconds (specification,
 /// section 10).
@@ -128,15 +129,19 @@ impl Cones {
         fresh_within(HALF_CONE_DEG).or_else(|| fresh_within(GAP_REACH_DEG)).unwrap_or(false)
     }
 
-    pub(super) fn fold_state(&self, fold: &mut impl FnMut(u64)) {
+    pub(super) fn fold(&self, digest: &mut Digest, start: Time) {
         for cone in &self.cones {
-            fold(cone.fired.map_or(u64::MAX, |fired| fired.0));
-            fold(match cone.reading {
-                Reading::Unknown => f64::NAN.to_bits(),
-                Reading::Silent => f64::INFINITY.to_bits(),
-                Reading::Echo(range_m) => range_m.to_bits(),
+            let Some(fired) = cone.fired else {
+                digest.word(u64::MAX);
+                continue;
+            };
+            digest.time(fired, start);
+            digest.number(match cone.reading {
+                Reading::Unknown => f64::NAN,
+                Reading::Silent => f64::INFINITY,
+                Reading::Echo(range_m) => range_m,
             });
-            fold(u64::from(cone.fresh) << 1 | u64::from(cone.heard));
+            digest.word(u64::from(cone.fresh) << 1 | u64::from(cone.heard));
         }
     }
 }

@@ -3,14 +3,16 @@
 //! No sonar looks there; in those directions the nearest echo of the sonars within 30° counts as well
 //! as what is remembered (specification, section 10). So each of those sonars puts points into the gap,
 //! as far away as what it last heard; they hold as long as a reading does. They are asked only along
-//! directions in a gap: as obstacles for every direction they would take away much that is known to be
-//! free (in random rooms, half of the disc's remaining room beside a wall).
+//! directions in a gap. As obstacles for every direction they would hide much that is known to be free:
+//! in random rooms with perfect sonars the median by which free travel below 1 m is underestimated
+//! would grow from 0.12 m to 0.21 m.
 
 use schemas::{SONARS, Time};
 
 use super::beam::{Beam, BodyToWorld, unit};
 use super::cones::{STALE_S, apart_rad};
 use super::points::{PlacedEcho, Point};
+use crate::digest::Digest;
 
 /// Points per gap and sonar, 5° apart like those of an arc.
 const GAP_POINTS: usize = 3;
@@ -89,9 +91,12 @@ impl Gaps {
             .filter(move |point| now.seconds_since(point.fired) <= STALE_S)
     }
 
-    pub(super) fn fold_state(&self, fold: &mut impl FnMut(u64)) {
-        for point in self.filled.iter().flatten().flatten().flatten() {
-            point.fold_state(fold);
+    pub(super) fn fold(&self, digest: &mut Digest, start: Time) {
+        for (slot, points) in self.filled.iter().flatten().enumerate() {
+            for point in points.iter().flatten() {
+                digest.word(slot as u64);
+                point.fold(digest, start);
+            }
         }
     }
 }

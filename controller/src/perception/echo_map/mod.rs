@@ -6,21 +6,25 @@
 //!
 //! Once a step:
 //! 1. each echo is placed at the pose of its own firing, as an arc across its cone, and confirms,
-//!    replaces or carves what is remembered ([`points`]);
+//!    replaces or carves what is remembered (`points`);
 //! 2. what has grown old is forgotten;
 //! 3. the rest is drawn nearer by its uncertainty and sorted by direction about the predicted pose: the
-//!    virtual scan ([`scan`]). Confirmed points make the scan of the law, all points that of the safety
+//!    virtual scan (`scan`). Confirmed points make the scan of the law, all points that of the safety
 //!    layer: a false echo may stop the robot for 0.4 s, but never starts the feedback law;
-//! 4. rays are answered from the scans, and by [`cones`] where nothing is known.
+//! 4. rays are answered from the scans, and by `cones` where nothing is known.
 //!
 //! Where no cone looks (60–80° and 100–120° on either side) the nearest echo of the sonars within 30°
-//! counts (specification, section 10), beside what is remembered.
+//! counts (specification, section 10), beside what is remembered (`gaps`).
+//!
+//! Constants said to come from the prototype were chosen in a simulation study that preceded this
+//! program.
 
 mod beam;
 mod cones;
 mod faces;
 mod gaps;
 mod points;
+mod ray;
 mod scan;
 
 use schemas::{Pose, SONARS, SonarEcho, SonarScan, Time};
@@ -30,7 +34,9 @@ use self::cones::{Cones, Reading};
 use self::faces::Faces;
 use self::gaps::Gaps;
 use self::points::{PlacedEcho, Point, Points};
-use self::scan::{Scan, ray_m, sight};
+use self::ray::Ray;
+use self::scan::{Scan, sight};
+use crate::digest::Digest;
 use crate::estimation::Odometry;
 
 /// How many readings wait for the next step, at most: two full sweeps. More are placed at once.
@@ -91,8 +97,8 @@ impl EchoMap {
             gaps: Gaps::new(),
             points: Points::new(),
             faces: Faces::new(),
-            law: Scan::new(),
-            safety: Scan::new(),
+            law: Scan::new(settings.inflation_m),
+            safety: Scan::new(settings.inflation_m),
             law_gaps: Vec::with_capacity(Gaps::MOST_POINTS),
             safety_gaps: Vec::with_capacity(Gaps::MOST_POINTS),
             advanced_to: None,
@@ -185,18 +191,19 @@ impl EchoMap {
         self.faces.nearest_rad(self.points.iter(), from.position_m(), now)
     }
 
-    /// Gives the whole state, as bits, to a hasher.
-    pub fn fold_state(&self, fold: &mut impl FnMut(u64)) {
-        fold(self.advanced_to.map_or(u64::MAX, |now| now.0));
-        for (echo, odometer_m) in &self.pending {
-            fold(odometer_m.to_bits());
-            fold(u64::from(echo.id) << 1 | u64::from(echo.echo));
-            fold(echo.range_m.to_bits());
-            fold(echo.fired.0);
+    /// Takes the whole state into a hash; `start` is the start of the session.
+    pub(crate) fn fold(&self, digest: &mut Digest, start: Time) {
+        if let Some(now) = self.advanced_to {
+            digest.time(now, start);
         }
-        self.cones.fold_state(fold);
-        self.gaps.fold_state(fold);
-        self.points.fold_state(fold);
+        for (echo, odometer_m) in &self.pending {
+            digest.word(u64::from(echo.id) << 1 | u64::from(echo.echo));
+            digest.time(echo.fired, start);
+            digest.numbers(&[echo.range_m, *odometer_m]);
+        }
+        self.cones.fold(digest, start);
+        self.gaps.fold(digest, start);
+        self.points.fold(digest, start);
     }
 
     fn knows(&self, from: &Pose, angle_rad: f64) -> bool {
@@ -204,12 +211,12 @@ impl EchoMap {
     }
 
     fn ray_m(&self, scan: &Scan, gaps_m: &[[f64; 2]], from: &Pose, angle_rad: f64) -> f64 {
+        let from_m = from.position_m();
         let along = unit(angle_rad);
-        let free_m =
-            |points_m| ray_m(points_m, from.position_m(), along, self.settings.inflation_m);
-        let remembered_m = free_m(scan.points_m());
+        let remembered_m = scan.free_m(from_m, along);
         if Gaps::hold(angle_rad - from.theta_rad) {
-            remembered_m.min(free_m(gaps_m))
+            let ray = Ray { from_m, along, radius_m: self.settings.inflation_m };
+            remembered_m.min(ray.free_m(gaps_m))
         } else {
             remembered_m
         }
@@ -263,8 +270,8 @@ impl EchoMap {
 
     /// Builds both scans about a place.
     fn look(&mut self, now: Time, odometer_m: f64, about_m: [f64; 2]) {
-        self.law.clear();
-        self.safety.clear();
+        self.law.clear(about_m);
+        self.safety.clear(about_m);
         for point in self.points.iter() {
             let by_m = self.uncertainty_m(point, now, odometer_m);
             let Some(sighting) = sight(about_m, point.at_m, by_m) else { continue };
@@ -273,6 +280,9 @@ impl EchoMap {
                 self.law.see(&sighting);
             }
         }
+        self.law.finish();
+        self.safety.finish();
+
         self.law_gaps.clear();
         self.safety_gaps.clear();
         for point in self.gaps.points(now) {

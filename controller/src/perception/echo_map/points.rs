@@ -12,6 +12,7 @@
 use schemas::Time;
 
 use super::beam::ARC_POINTS;
+use crate::digest::Digest;
 
 /// How many points are kept, at most. Two echoes of five points every 40 ms for 5 s are 1250 if none
 /// repeats another; repeats, carving and the short life of the unconfirmed leave 200 to 400.
@@ -91,12 +92,10 @@ impl Point {
         Point { at_m, range_m, fired, odometer_m, confirmed, carved: 0 }
     }
 
-    pub(super) fn fold_state(&self, fold: &mut impl FnMut(u64)) {
-        for number in [self.at_m[0], self.at_m[1], self.range_m, self.odometer_m] {
-            fold(number.to_bits());
-        }
-        fold(self.fired.0);
-        fold(u64::from(self.carved) << 1 | u64::from(self.confirmed));
+    pub(super) fn fold(&self, digest: &mut Digest, start: Time) {
+        digest.numbers(&[self.at_m[0], self.at_m[1], self.range_m, self.odometer_m]);
+        digest.time(self.fired, start);
+        digest.word(u64::from(self.carved) << 1 | u64::from(self.confirmed));
     }
 }
 
@@ -186,9 +185,9 @@ impl Points {
         }
     }
 
-    pub(super) fn fold_state(&self, fold: &mut impl FnMut(u64)) {
+    pub(super) fn fold(&self, digest: &mut Digest, start: Time) {
         for point in &self.kept {
-            point.fold_state(fold);
+            point.fold(digest, start);
         }
     }
 }

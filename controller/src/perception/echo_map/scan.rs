@@ -1,23 +1,33 @@
 //! The virtual scan: what a range finder at one place would see of the remembered points.
 
+use super::ray::{LEAST_RADIUS_SHARE, Ray};
+
 /// How many directions. They are equal steps of the pseudo-angle below, which are 0.95° wide along
 /// the axes and 1.9° between them: 1.5° on average, as the echo map's prototype had it.
 const DIRECTIONS: usize = 240;
 
-/// Discs about points are at least this share of their distance wide, in radius, so that the five
-/// points of an arc (5° apart) leave no hole for a point robot: tan 2.5°, rounded up.
-const LEAST_RADIUS_SHARE: f64 = 0.045;
+/// The opposite direction is this many steps away, on either side.
+const OPPOSITE: usize = DIRECTIONS / 2;
 
-/// No point in a direction yet.
-const EMPTY: u8 = u8::MAX;
+/// Sines and distances are compared with this slack, so that rounding never hides a point.
+const SLACK: f64 = 1.0 - 1e-9;
 
-/// The nearest point per direction about one place.
+/// The nearest point per direction about one place, for rays of one radius.
 #[derive(Clone, Debug)]
 pub(super) struct Scan {
-    /// Per direction, where its point stands in the lists.
-    index: [u8; DIRECTIONS],
-    distances_m: Vec<f64>,
+    radius_m: f64,
+    about_m: [f64; 2],
+    /// Per direction; +∞ where there is none.
+    nearest_m: [f64; DIRECTIONS],
+    at_m: [[f64; 2]; DIRECTIONS],
+    /// The points there are, in the order of their directions, and how many come before each
+    /// direction.
     seen: Vec<[f64; 2]>,
+    before: [u8; DIRECTIONS + 1],
+    /// How many steps off a ray's direction even the nearest point of all is out of its way.
+    window: usize,
+    /// For so many steps between a ray and a point, the least sine of the angle between them.
+    least_sines: [f64; OPPOSITE + 1],
 }
 
 /// Where a point appears from the scan's place.
@@ -30,70 +40,97 @@ pub(super) struct Sighting {
 }
 
 impl Scan {
-    pub(super) fn new() -> Scan {
+    /// An empty scan for rays of discs of `radius_m`.
+    pub(super) fn new(radius_m: f64) -> Scan {
         Scan {
-            index: [EMPTY; DIRECTIONS],
-            distances_m: Vec::with_capacity(DIRECTIONS),
+            radius_m,
+            about_m: [0.0; 2],
+            nearest_m: [f64::INFINITY; DIRECTIONS],
+            at_m: [[0.0; 2]; DIRECTIONS],
             seen: Vec::with_capacity(DIRECTIONS),
+            before: [0; DIRECTIONS + 1],
+            window: 0,
+            least_sines: std::array::from_fn(least_sine),
         }
     }
 
-    pub(super) fn clear(&mut self) {
-        self.index = [EMPTY; DIRECTIONS];
-        self.distances_m.clear();
+    /// Starts again, about another place.
+    pub(super) fn clear(&mut self, about_m: [f64; 2]) {
+        self.about_m = about_m;
+        self.nearest_m = [f64::INFINITY; DIRECTIONS];
         self.seen.clear();
     }
 
     pub(super) fn see(&mut self, sighting: &Sighting) {
         let Sighting { direction, distance_m, at_m } = *sighting;
-        let place = usize::from(self.index[direction]);
-        if place == usize::from(EMPTY) {
-            self.index[direction] = self.seen.len() as u8;
-            self.distances_m.push(distance_m);
-            self.seen.push(at_m);
-        } else if distance_m < self.distances_m[place] {
-            self.distances_m[place] = distance_m;
-            self.seen[place] = at_m;
+        if distance_m < self.nearest_m[direction] {
+            self.nearest_m[direction] = distance_m;
+            self.at_m[direction] = at_m;
         }
+    }
+
+    /// Ends a round of [`Scan::see`]; now rays may be asked.
+    pub(super) fn finish(&mut self) {
+        let mut least_m = f64::INFINITY;
+        for (direction, nearest_m) in self.nearest_m.iter().enumerate() {
+            self.before[direction] = self.seen.len() as u8;
+            if *nearest_m < f64::INFINITY {
+                self.seen.push(self.at_m[direction]);
+                least_m = least_m.min(*nearest_m);
+            }
+        }
+        self.before[DIRECTIONS] = self.seen.len() as u8;
+        // A point at distance ρ, an angle α off a ray, is met only if ρ sin α is less than the radius.
+        let met =
+            |sine: &&f64| **sine <= LEAST_RADIUS_SHARE || least_m * **sine * SLACK < self.radius_m;
+        self.window = self.least_sines.iter().take_while(met).count();
     }
 
     /// The nearest points, metres, world frame.
     pub(super) fn points_m(&self) -> &[[f64; 2]] {
         &self.seen
     }
-}
 
-/// Free travel, metres, of a disc of `radius_m` from `from_m` along the unit vector `along`: to the
-/// first of the discs of that radius about the points, +∞ if none is met; negative inside one
-/// (specification, section 6).
-pub(super) fn ray_m(
-    points_m: &[[f64; 2]],
-    from_m: [f64; 2],
-    along: [f64; 2],
-    radius_m: f64,
-) -> f64 {
-    let mut free_m = f64::INFINITY;
-    for at_m in points_m {
-        let [dx, dy] = [at_m[0] - from_m[0], at_m[1] - from_m[1]];
-        let aside_m = dx * along[1] - dy * along[0];
-        let least_m2 = LEAST_RADIUS_SHARE * LEAST_RADIUS_SHARE * (dx * dx + dy * dy);
-        let radius_m2 = (radius_m * radius_m).max(least_m2);
-        let half_chord_m2 = radius_m2 - aside_m * aside_m;
-        if half_chord_m2 <= 0.0 {
-            continue;
+    /// Free travel of the scan's disc from `from_m` along the unit vector `along`, see
+    /// [`Ray::free_m`].
+    pub(super) fn free_m(&self, from_m: [f64; 2], along: [f64; 2]) -> f64 {
+        let ray = Ray { from_m, along, radius_m: self.radius_m };
+        let (Some(ahead), true) = (direction(along[0], along[1]), from_m == self.about_m) else {
+            return ray.free_m(&self.seen);
+        };
+        if self.window >= OPPOSITE {
+            return ray.free_m(&self.seen);
         }
-        let forward_m = dx * along[0] + dy * along[1];
-        // Without a square root: even its whole radius does not bring this disc nearer.
-        let beyond_m = forward_m - free_m;
-        if beyond_m > 0.0 && beyond_m * beyond_m >= radius_m2 {
-            continue;
-        }
-        let half_chord_m = half_chord_m2.sqrt();
-        if forward_m + half_chord_m > 0.0 {
-            free_m = free_m.min(forward_m - half_chord_m);
+        let within = |from: usize, to: usize| {
+            &self.seen[usize::from(self.before[from])..usize::from(self.before[to])]
+        };
+        // From `window` steps to the right to as many to the left, both included.
+        let (first, end) = (ahead + DIRECTIONS - self.window, ahead + self.window + 1);
+        if first < DIRECTIONS {
+            ray.free_m(within(first, DIRECTIONS)).min(ray.free_m(within(0, end)))
+        } else if end > DIRECTIONS {
+            let wrapped = within(0, end - DIRECTIONS);
+            ray.free_m(within(first - DIRECTIONS, DIRECTIONS)).min(ray.free_m(wrapped))
+        } else {
+            ray.free_m(within(first - DIRECTIONS, end))
         }
     }
-    free_m
+}
+
+/// The least sine of the angle between two vectors whose directions are `steps` apart; 1 from a right
+/// angle on, beyond which only a point inside the disc is met.
+///
+/// Vectors in directions n apart differ by more than n − 1 steps of pseudo-angle. A difference of 2δ
+/// is least in true angle when it lies evenly about an axis, where tan = δ/(1 − δ) on either side; and
+/// sin 2x = 2 tan x/(1 + tan² x).
+fn least_sine(steps: usize) -> f64 {
+    let whole = steps.saturating_sub(1) as f64 / (DIRECTIONS / 4) as f64;
+    if whole >= 1.0 {
+        return 1.0;
+    }
+    let half = 0.5 * whole;
+    let tangent = half / (1.0 - half);
+    2.0 * tangent / (1.0 + tangent * tangent)
 }
 
 /// Draws a point nearer to `about_m` by `by_m` and says where it then appears. `None` if it is no
@@ -134,52 +171,53 @@ fn direction(x: f64, y: f64) -> Option<usize> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
+    use super::super::beam::unit;
     use super::*;
 
-    fn scan_of(points_m: &[[f64; 2]]) -> Scan {
-        let mut scan = Scan::new();
+    fn scan_of(points_m: &[[f64; 2]], about_m: [f64; 2], radius_m: f64) -> Scan {
+        let mut scan = Scan::new(radius_m);
+        scan.clear(about_m);
         for point_m in points_m {
-            scan.see(&sight([0.0; 2], *point_m, 0.0).unwrap());
+            scan.see(&sight(about_m, *point_m, 0.0).unwrap());
         }
+        scan.finish();
         scan
     }
 
-    fn ray_of(points_m: &[[f64; 2]], from_m: [f64; 2], along: [f64; 2], radius_m: f64) -> f64 {
-        ray_m(scan_of(points_m).points_m(), from_m, along, radius_m)
+    proptest! {
+        /// From the scan's own place only the points about the ray are asked; that misses nothing.
+        #[test]
+        fn the_window_hides_nothing(
+            points in prop::collection::vec(prop::array::uniform2(-3.0..3.0), 0..200),
+            about_m in prop::array::uniform2(-1.0..1.0),
+            clear_m in 0.0..1.5,
+            angle_rad in -4.0..4.0,
+            radius_m in prop_oneof![Just(0.0), Just(0.354), 0.0..1.0],
+        ) {
+            let away = |p: &[f64; 2]| libm::hypot(p[0] - about_m[0], p[1] - about_m[1]) >= clear_m;
+            let points: Vec<[f64; 2]> = points.into_iter().filter(away).collect();
+            let scan = scan_of(&points, about_m, radius_m);
+            let ray = Ray { from_m: about_m, along: unit(angle_rad), radius_m };
+            prop_assert_eq!(scan.free_m(about_m, ray.along), ray.free_m(scan.points_m()));
+        }
     }
 
-    /// Pythagoras: a disc of 0.5 m that moves along x past a point 0.3 m aside and 2 m ahead touches it
-    /// 0.4 m before.
+    /// No two vectors are nearer in angle than their directions let on.
     #[test]
-    fn a_disc_touches_a_point_where_pythagoras_says() {
-        let point = [[2.0, 0.3]];
-        assert!((ray_of(&point, [0.0; 2], [1.0, 0.0], 0.5) - 1.6).abs() < 1e-15);
-        // From 0.7 m farther on, 0.7 m less.
-        assert!((ray_of(&point, [0.7, 0.0], [1.0, 0.0], 0.5) - 0.9).abs() < 1e-15);
-        // Away from it, or past it: nothing.
-        assert_eq!(ray_of(&point, [0.0; 2], [-1.0, 0.0], 0.5), f64::INFINITY);
-        assert_eq!(ray_of(&point, [0.0; 2], [1.0, 0.0], 0.25), f64::INFINITY);
-        assert_eq!(ray_of(&point, [0.0; 2], [0.0, 1.0], 0.5), f64::INFINITY);
-    }
-
-    /// 0.3 m from a point with a disc of 0.5 m: 0.2 m back to the edge.
-    #[test]
-    fn inside_a_disc_the_way_is_negative() {
-        assert!((ray_of(&[[0.3, 0.0]], [0.0; 2], [1.0, 0.0], 0.5) + 0.2).abs() < 1e-15);
-    }
-
-    /// A point robot does not slip between points 5° apart.
-    #[test]
-    fn a_point_robot_meets_the_arc_everywhere() {
-        let arc: Vec<[f64; 2]> = (-2..=2)
-            .map(|i| 3.0_f64 * f64::from(i) * 5.0_f64.to_radians() / 3.0)
-            .map(|a| [3.0 * libm::cos(a), 3.0 * libm::sin(a)])
-            .collect();
-        for tenth_deg in -100..=100 {
-            let a = (f64::from(tenth_deg) * 0.1).to_radians();
-            let free_m = ray_of(&arc, [0.0; 2], [libm::cos(a), libm::sin(a)], 0.0);
-            let met = (3.0 * (1.0 - 0.045) - 1e-12..=3.0).contains(&free_m);
-            assert!(met, "{tenth_deg}: {free_m}");
+    fn steps_bound_the_angle() {
+        let direction_of = |i: u32| {
+            let [x, y] = unit((f64::from(i) * 0.25).to_radians());
+            direction(x, y).unwrap()
+        };
+        for i in 0..1440 {
+            for j in 0..=360 {
+                let (a, b) = (direction_of(i), direction_of(i + j));
+                let steps = (b + DIRECTIONS - a) % DIRECTIONS;
+                let sine = libm::sin((f64::from(j) * 0.25).to_radians());
+                assert!(sine >= least_sine(steps) - 1e-12, "{i} {j} {steps}");
+            }
         }
     }
 
@@ -203,10 +241,11 @@ mod tests {
     /// Of two points in one direction the nearer one counts; drawing nearer stops at the place.
     #[test]
     fn the_nearest_point_counts() {
-        let mut scan = scan_of(&[[2.0, 0.001], [1.0, 0.001], [3.0, 0.001]]);
+        let mut scan = scan_of(&[[2.0, 0.001], [1.0, 0.001], [3.0, 0.001]], [0.0; 2], 0.354);
         assert_eq!(scan.points_m(), &[[1.0, 0.001]]);
-        scan.clear();
+        scan.clear([0.0; 2]);
         scan.see(&sight([0.0; 2], [0.0, 0.5], 0.2).unwrap());
+        scan.finish();
         assert_eq!(scan.points_m(), &[[0.0, 0.3]]);
         assert_eq!(sight([0.0; 2], [0.0, 0.5], 0.9).unwrap().distance_m, 0.0);
     }

@@ -173,6 +173,20 @@ fn repeats_take_no_room() {
     assert!(rig.map.points.iter().count() <= 16 * 5);
 }
 
+/// More readings at once than may wait are placed as they come; nothing grows.
+#[test]
+fn a_scan_may_be_of_any_length() {
+    let mut rig = Rig::new();
+    let room = rig.map.pending.capacity();
+    let echo = |i: u8| SonarEcho { id: i % 16, range_m: 1.5, echo: true, fired: at(0) };
+    let scan = SonarScan { stamp: at(0), echoes: (0..200).map(echo).collect() };
+    rig.map.observe(&scan, &rig.odometry);
+    assert_eq!(rig.map.pending.capacity(), room);
+    rig.advance();
+    assert!(rig.map.heard_all());
+    assert_eq!(rig.map.points.iter().count(), 16 * 5, "each sonar fires once at a time");
+}
+
 /// A reading that comes twice, or late, changes nothing; nor does one of a sonar that does not exist.
 #[test]
 fn late_readings_are_ignored() {
@@ -222,8 +236,8 @@ fn from_nowhere_nothing_is_known() {
     assert_eq!(rig.map.safety_ray_m(&Pose::default(), f64::NAN), 0.0);
 }
 
-pub(super) fn state(map: &EchoMap) -> Vec<u64> {
-    let mut words = Vec::new();
-    map.fold_state(&mut |word| words.push(word));
-    words
+pub(super) fn state(map: &EchoMap) -> u64 {
+    let mut digest = Digest::default();
+    map.fold(&mut digest, SIMULATION_EPOCH);
+    digest.value()
 }
