@@ -1,5 +1,5 @@
-//! Contract: `Runner::step` is total, and each row of the bad-input policy (specification §10)
-//! gives the command and the reason that it should.
+//! Contract: `Runner::step` is total, and the rows of the bad-input policy (specification §10) that
+//! are tested here give the command and the reason that they should.
 
 use controller::{Law, Runner, Setup, Spec, versions};
 use proptest::prelude::*;

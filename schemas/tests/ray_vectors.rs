@@ -19,7 +19,7 @@ fn table(x: [f64; 2], y: [f64; 2]) -> Vec<Obstacle> {
     vec![Obstacle { corners_m: vec![[x[0], y[0]], [x[1], y[0]], [x[1], y[1]], [x[0], y[1]]] }]
 }
 
-/// Specification §11: the paper's admissible sets (19), (22) and (25).
+/// Specification §11: the paper's admissible sets (19) and (22), and (25) shrunk by 0.25 m.
 fn world(name: &str) -> World {
     match name {
         "case1" => World {

@@ -6,8 +6,8 @@ use schemas::{Disc, Footprint, Plant, Pose, Scenario, Task, Twist, World};
 /// distance counts as unknown (specification §10). A hole in the record is not filled any further.
 pub(super) const MOTION_HOLD_LIMIT_S: f64 = 0.5;
 
-/// How many control periods a decision stands at most: after twice the period the actuators time
-/// out by themselves (specification §10).
+/// How many control periods a decision stands at most. After twice the period real actuators time
+/// out by themselves (specification §10; the simulated ones hold the last command).
 pub(super) const DECISION_HOLD_LIMIT_PERIODS: f64 = 2.0;
 
 /// Where the robot was and how near to things, until the next sample.

@@ -38,7 +38,7 @@ fn keys_carry_their_units() {
     }
 }
 
-/// Specification §8, kinematic column, and §9.
+/// Specification §8, kinematic column.
 #[test]
 fn the_defaults_are_those_of_the_specification() {
     let Params { gamma1, gamma2, gamma3, epsilon_m, r_m, cap_m, .. } = Params::default();

@@ -46,7 +46,11 @@ impl Senses {
             })),
             SensorSuite::Sonar => Senses::Sonar(Box::new(Sonar {
                 odometry: Odometry::new(scenario.start.pose, scenario.robot.track_m),
-                map: EchoMap::new(EchoMapSettings { inflation_m, v_disc_mps: params.v_disc_mps }),
+                map: EchoMap::new(EchoMapSettings {
+                    inflation_m,
+                    v_disc_mps: params.v_disc_mps,
+                    lease_s: params.sonar_lease_s,
+                }),
             })),
         }
     }

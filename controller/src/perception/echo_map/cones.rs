@@ -5,10 +5,6 @@ use schemas::{SONAR_REACH_M, SONARS, SonarEcho, Time};
 use super::beam::{Beam, HALF_CONE_DEG};
 use crate::digest::Digest;
 
-/// Age from which a reading no longer counts and its cone is unknown, seconds (specification,
-/// section 10).
-pub(super) const STALE_S: f64 = 0.5;
-
 /// A direction that no cone contains goes by the sonars within this, degrees (specification,
 /// section 10).
 const GAP_REACH_DEG: f64 = 30.0;
@@ -84,10 +80,10 @@ impl Cones {
         cone.heard |= reading != Reading::Unknown;
     }
 
-    /// Decides which readings still count at `now`.
-    pub(super) fn age(&mut self, now: Time) {
+    /// Decides which readings still count at `now`: those not older than the lease, seconds.
+    pub(super) fn age(&mut self, now: Time, lease_s: f64) {
         for cone in &mut self.cones {
-            let young = cone.fired.is_some_and(|fired| now.seconds_since(fired) <= STALE_S);
+            let young = cone.fired.is_some_and(|fired| now.seconds_since(fired) <= lease_s);
             cone.fresh = young && cone.reading != Reading::Unknown;
         }
         self.all_fresh = self.cones.iter().all(|cone| cone.fresh);
@@ -193,7 +189,7 @@ mod tests {
         let beams = Beam::all();
         let mut cones = all_fresh();
         cones.hear(1, SIMULATION_EPOCH, Reading::Unknown);
-        cones.age(SIMULATION_EPOCH);
+        cones.age(SIMULATION_EPOCH, 0.5);
         let known = |deg: f64| cones.known(&beams, deg.to_radians());
         for deg in [40.0, 45.0, 60.0, 61.0, 70.0, 79.0, 430.0, -310.0] {
             assert!(!known(deg), "{deg}");
@@ -210,7 +206,7 @@ mod tests {
         for id in [0, 15] {
             let mut cones = all_fresh();
             cones.hear(id, SIMULATION_EPOCH, Reading::Unknown);
-            cones.age(SIMULATION_EPOCH);
+            cones.age(SIMULATION_EPOCH, 0.5);
             assert!(!cones.known(&beams, 90_f64.to_radians()), "{id}");
             assert!(!cones.known(&beams, 110_f64.to_radians()), "{id}");
             assert!(cones.known(&beams, -90_f64.to_radians()), "{id}");
@@ -221,9 +217,9 @@ mod tests {
     fn readings_expire_after_half_a_second() {
         let mut cones = all_fresh();
         let ms = 1_000_000;
-        cones.age(SIMULATION_EPOCH.after_ns(500 * ms));
+        cones.age(SIMULATION_EPOCH.after_ns(500 * ms), 0.5);
         assert!(!cones.dead() && cones.range_m(3) == f64::INFINITY);
-        cones.age(SIMULATION_EPOCH.after_ns(501 * ms));
+        cones.age(SIMULATION_EPOCH.after_ns(501 * ms), 0.5);
         assert!(cones.dead() && cones.range_m(3).is_nan());
         assert!(cones.heard_all(), "heard once is heard");
     }
@@ -232,10 +228,10 @@ mod tests {
     fn a_direction_that_is_no_number_is_unknown() {
         let beams = Beam::all();
         let mut cones = all_fresh();
-        cones.age(SIMULATION_EPOCH);
+        cones.age(SIMULATION_EPOCH, 0.5);
         assert!(!cones.known(&beams, f64::NAN));
         cones.hear(0, SIMULATION_EPOCH, Reading::Unknown);
-        cones.age(SIMULATION_EPOCH);
+        cones.age(SIMULATION_EPOCH, 0.5);
         assert!(!cones.known(&beams, f64::NAN) && !cones.known(&beams, f64::INFINITY));
     }
 

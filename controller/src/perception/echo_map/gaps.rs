@@ -10,7 +10,7 @@
 use schemas::{SONARS, Time};
 
 use super::beam::{Beam, BodyToWorld, unit};
-use super::cones::{STALE_S, apart_rad};
+use super::cones::apart_rad;
 use super::points::{PlacedEcho, Point};
 use crate::digest::Digest;
 
@@ -81,14 +81,14 @@ impl Gaps {
         EDGES_DEG.iter().any(|[from, to]| off_ahead_deg > *from && off_ahead_deg < *to)
     }
 
-    /// The points that still count at `now`.
-    pub(super) fn points(&self, now: Time) -> impl Iterator<Item = &Point> {
+    /// The points that still count at `now`: those not older than the lease, seconds.
+    pub(super) fn points(&self, now: Time, lease_s: f64) -> impl Iterator<Item = &Point> {
         self.filled
             .iter()
             .flatten()
             .flatten()
             .flatten()
-            .filter(move |point| now.seconds_since(point.fired) <= STALE_S)
+            .filter(move |point| now.seconds_since(point.fired) <= lease_s)
     }
 
     pub(super) fn fold(&self, digest: &mut Digest, start: Time) {

@@ -65,6 +65,9 @@ pub struct EchoMapSettings {
     pub inflation_m: f64,
     /// Speed bound of moving obstacles, m/s.
     pub v_disc_mps: f64,
+    /// Age from which a reading no longer counts and its cone is unknown, seconds (specification,
+    /// section 10).
+    pub lease_s: f64,
 }
 
 /// A short memory of echoes and what follows from it. Allocates in [`EchoMap::new`] only.
@@ -127,7 +130,7 @@ impl EchoMap {
         self.advanced_to = Some(now);
         self.place_pending(odometry);
         self.points.age(now);
-        self.cones.age(now);
+        self.cones.age(now, self.settings.lease_s);
         self.look(now, odometry.odometer_m(), about.position_m());
     }
 
@@ -285,7 +288,7 @@ impl EchoMap {
 
         self.law_gaps.clear();
         self.safety_gaps.clear();
-        for point in self.gaps.points(now) {
+        for point in self.gaps.points(now, self.settings.lease_s) {
             let by_m = self.uncertainty_m(point, now, odometer_m);
             let Some(sighting) = sight(about_m, point.at_m, by_m) else { continue };
             self.safety_gaps.push(sighting.at_m);

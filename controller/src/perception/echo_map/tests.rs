@@ -33,7 +33,7 @@ impl Rig {
     /// At rest at the origin at t = 0. Nothing moves in its world, so that only its own uncertainty
     /// counts.
     fn new() -> Rig {
-        Rig::with(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.0 })
+        Rig::with(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.0, lease_s: 0.5 })
     }
 
     fn with(settings: EchoMapSettings) -> Rig {

@@ -173,7 +173,8 @@ fn confirmation_takes_a_like_range() {
 /// Obstacles may come nearer by 0.3 m/s times the age until they are looked at again: 0.3 m/s · 0.4 s = 0.12 m.
 #[test]
 fn young_echoes_may_be_moving() {
-    let mut rig = Rig::with(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.3 });
+    let mut rig =
+        Rig::with(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.3, lease_s: 0.5 });
     rig.sweep_twice(&[(3, 1.755), (4, 1.755)]);
     let fresh_m = rig.law(0.0);
     rig.wait(400);

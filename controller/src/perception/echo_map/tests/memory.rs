@@ -216,7 +216,8 @@ fn a_clock_set_back_forgets_the_map() {
 /// An echo whose pose is not known is nowhere: its cone is unknown.
 #[test]
 fn without_odometry_nothing_is_known() {
-    let mut map = EchoMap::new(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.3 });
+    let mut map =
+        EchoMap::new(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.3, lease_s: 0.5 });
     let odometry = Odometry::new(Pose::default(), 0.5);
     let echoes = (0..16).map(|id| SonarEcho { id, range_m: 5.0, echo: false, fired: at(0) });
     map.observe(&SonarScan { stamp: at(0), echoes: echoes.collect() }, &odometry);

@@ -53,7 +53,7 @@ proptest! {
         happenings in prop::collection::vec(any_happening(), 0..300),
         angle_rad in -10.0..10.0,
     ) {
-        let mut rig = Rig::with(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.3 });
+        let mut rig = Rig::with(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.3, lease_s: 0.5 });
         live(&mut rig, &happenings);
         let from = rig.pose();
         let law_m = rig.map.law_ray_m(&from, angle_rad);
@@ -75,7 +75,7 @@ proptest! {
         range_m in 0.15..4.9,
         off_axis_deg in -10.0..10.0_f64,
     ) {
-        let mut rig = Rig::with(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.3 });
+        let mut rig = Rig::with(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.3, lease_s: 0.5 });
         live(&mut rig, &happenings);
         rig.go(20, 0.0, 0.0);
         rig.sweep(&[(id, range_m)]);
@@ -115,7 +115,7 @@ proptest! {
         // more the disc only grazes the point, so a disc that is smaller by as much is asked too.
         let moved_m = 0.03 + 0.02 * 5.0 + 0.05;
         let ways_m = |inflation_m: f64| {
-            let mut rig = Rig::with(EchoMapSettings { inflation_m, v_disc_mps: 0.0 });
+            let mut rig = Rig::with(EchoMapSettings { inflation_m, v_disc_mps: 0.0, lease_s: 0.5 });
             rig.sweep_twice(&first);
             let before_m = [rig.law(angle_deg), rig.safety(angle_deg)];
             rig.wait(60);
