@@ -1,0 +1,84 @@
+#!/usr/bin/env python3
+"""How often each controller leaves the static admissible set, and what that costs the person.
+
+    cargo build --release && python3 docs/measure-violations.py [ROOMS]
+
+Records ROOMS (300) random rooms for each kind of room and driver under each controller and sensor
+suite, measures them, and prints the table of docs/controller.md. Needs nothing but Python and the
+release build; takes some minutes on two cores.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+TANDEM = Path(__file__).resolve().parent.parent / "target/release/tandem"
+ROWS = [
+    ("human", "exact"),
+    ("paper-kinematic", "exact"),
+    ("tandem-kinematic", "exact"),
+    ("paper-dynamic", "exact"),
+    ("tandem-dynamic", "exact"),
+    ("tandem-dynamic:control_period_s=0.1", "exact"),
+    ("paper-kinematic", "sonar"),
+    ("tandem-kinematic", "sonar"),
+    ("tandem-dynamic", "sonar"),
+]
+KINDS = ["rect", "slant", "disc"]
+DRIVERS = ["joystick", "goal"]
+DURATION_S = 15.0
+
+
+def run(*arguments: str) -> str:
+    return subprocess.run([TANDEM, *arguments], check=True, capture_output=True, text=True).stdout
+
+
+def cell(controller: str, sensors: str, kind: str, driver: str, rooms: int) -> list[dict]:
+    with tempfile.TemporaryDirectory() as folder:
+        logs = []
+        for number in range(1, rooms + 1):
+            logs.append(f"{folder}/{number}.mcap")
+            run("record", "--quiet", "--no-view", "--sensors", sensors, "--controller", controller,
+                "--scenario", f"random:{kind}:{driver}:{number}", "-o", logs[-1])
+        runs = json.loads(run("metrics", "--quiet", "--threads", "1", "--format", "json", *logs))["runs"]
+    assert len(runs) == rooms
+    metrics = []
+    for number, measured in enumerate(runs, 1):
+        assert measured["error"] is None, measured
+        values = {name: reading["value"] for name, reading in measured["metrics"].items()}
+        if values["invariance_breaches"] and controller.startswith("tandem"):
+            print(f"left: {controller} {sensors} random:{kind}:{driver}:{number}", file=sys.stderr)
+        metrics.append(values)
+    return metrics
+
+
+def mean(values: list[float]) -> float:
+    return sum(values) / len(values)
+
+
+def main() -> None:
+    rooms = int(sys.argv[1]) if len(sys.argv) > 1 else 300
+    print("| version, sensors | `rect` | `slant` | `disc` | human share | time stuck % | chatter 1/min |")
+    print("|---|---|---|---|---|---|---|")
+    with ThreadPoolExecutor(2) as pool:
+        for controller, sensors in ROWS:
+            pairs = [(kind, driver) for kind in KINDS for driver in DRIVERS]
+            cells = dict(zip(pairs, pool.map(lambda p: cell(controller, sensors, *p, rooms), pairs)))
+            left = {p: 100 * mean([m["invariance_breaches"] > 0 for m in cells[p]]) for p in pairs}
+
+            def over_kinds(name: str, driver: str) -> float:
+                return mean([m[name] for kind in KINDS for m in cells[kind, driver]])
+
+            shown = [" / ".join(f"{left[kind, driver]:.1f}" for driver in DRIVERS) for kind in KINDS]
+            shown.append(" / ".join(f"{over_kinds('human_share', d):.2f}" for d in DRIVERS))
+            shown.append(" / ".join(f"{100 * over_kinds('deadlock_s', d) / DURATION_S:.1f}" for d in DRIVERS))
+            shown.append(" / ".join(f"{over_kinds('chatter_per_min', d):.0f}" for d in DRIVERS))
+            suite = "exact rays" if sensors == "exact" else "sonars"
+            print(f"| `{controller}`, {suite} | " + " | ".join(shown) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
