@@ -25,6 +25,16 @@ readers:
     cargo build --release --locked
     .ci/readers
 
+# Fixtures against their golden results, and a changed default that must be caught
+fixtures-hold:
+    cargo build --locked
+    target/debug/tandem check fixtures
+    .ci/changed-default
+
+# The README's main command
+demo:
+    cargo run --release --locked -- demo --force
+
 # Licences, banned crates and sources (needs cargo-deny)
 deny:
     cargo deny check licenses bans sources

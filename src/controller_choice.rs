@@ -70,31 +70,36 @@ impl FromStr for ControllerChoice {
     type Err = anyhow::Error;
 
     fn from_str(typed: &str) -> Result<Self> {
-        if typed == "recorded" {
-            return Ok(ControllerChoice::Recorded);
-        }
-        let (name, parameters) = match typed.split_once(':') {
-            None => (typed, None),
-            Some((name, parameters)) => (name, Some(parameters)),
-        };
-        for unsupported in ["rev", "cmd", "wasm"] {
-            if name == unsupported && parameters.is_some() {
-                bail!("controllers of the kind `{unsupported}:` are not supported by this version");
-            }
-        }
-        let overrides = match parameters {
-            None => Table::new(),
-            Some(file) if Path::new(file).extension().is_some_and(|e| e == "toml") => {
-                let text = fs::read_to_string(file)
-                    .with_context(|| format!("cannot read parameters {file}"))?;
-                toml::from_str(&text).with_context(|| format!("parameters {file}"))?
-            }
-            Some(list) => parse_assignments(list)?,
-        };
-        // Name, keys and ranges are wrong whatever the log is: say so before reading one.
-        Spec::resolve(name, &[&overrides])?;
-        Ok(ControllerChoice::Version { typed: typed.to_owned(), name: name.to_owned(), overrides })
+        // Whoever prints the error may print its outermost line alone.
+        parse(typed).map_err(|error| anyhow!("{error:#}"))
     }
+}
+
+fn parse(typed: &str) -> Result<ControllerChoice> {
+    if typed == "recorded" {
+        return Ok(ControllerChoice::Recorded);
+    }
+    let (name, parameters) = match typed.split_once(':') {
+        None => (typed, None),
+        Some((name, parameters)) => (name, Some(parameters)),
+    };
+    for unsupported in ["rev", "cmd", "wasm"] {
+        if name == unsupported && parameters.is_some() {
+            bail!("controllers of the kind `{unsupported}:` are not supported by this version");
+        }
+    }
+    let overrides = match parameters {
+        None => Table::new(),
+        Some(file) if Path::new(file).extension().is_some_and(|e| e == "toml") => {
+            let text = fs::read_to_string(file)
+                .with_context(|| format!("cannot read parameters {file}"))?;
+            toml::from_str(&text).with_context(|| format!("parameters {file}"))?
+        }
+        Some(list) => parse_assignments(list)?,
+    };
+    // Name, keys and ranges are wrong whatever the log is: say so before reading one.
+    Spec::resolve(name, &[&overrides])?;
+    Ok(ControllerChoice::Version { typed: typed.to_owned(), name: name.to_owned(), overrides })
 }
 
 /// `key=value,key=value`; a value is a number, a boolean, or a bare word.

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail};
 use compare::golden::Golden;
-use compare::{Measured, Meter};
+use compare::{Diff, Measured, Meter, Tolerances};
 use replay::Replay;
 use schemas::log::WriterOptions;
 use schemas::{Event, Header, Stamped};
@@ -17,7 +17,7 @@ use serde::Deserialize;
 
 use crate::command::replay::{HumanName, ModeName, replay_header};
 use crate::controller_choice::ControllerChoice;
-use crate::logs;
+use crate::{interrupt, logs};
 
 /// A fixture on disk.
 pub struct Fixture {
@@ -111,6 +111,7 @@ impl Fixture {
         let mut meter = Meter::new(&header);
         let mut events = Vec::new();
         while let Some(event) = replay.next_event() {
+            interrupt::check()?;
             meter.observe(&event);
             if matches!(event.value, Event::Step(_) | Event::Command(_)) {
                 events.push(event);
@@ -124,6 +125,19 @@ impl Fixture {
         let golden = Golden::of(&spec.name, mode.name(), &outcome.output_hash, &measured);
         let header = replay_header(&header, &spec, mode, logs::hash_file(&session)?);
         Ok(Today { golden, header, events })
+    }
+
+    /// The golden run (A) against today's (B).
+    pub fn diff(&self, today: &Today) -> Result<Diff> {
+        let path = self.golden_mcap();
+        let mut golden = logs::open(&path)?;
+        let start = golden.header().run.start;
+        let mut events = today.events.iter().cloned();
+        compare::diff::<anyhow::Error>(
+            &Tolerances::exact(),
+            (start, || golden.next_event().with_context(|| path.display().to_string())),
+            (today.header.run.start, || Ok(events.next())),
+        )
     }
 
     /// Makes today's result the golden one.

@@ -1,7 +1,7 @@
 //! Work on many logs, several at a time; results come back in the order of the logs.
 
 use std::num::NonZero;
-use std::path::PathBuf;
+use std::panic::{self, AssertUnwindSafe};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
@@ -11,13 +11,13 @@ use anyhow::{Result, anyhow};
 use crate::cli::Common;
 use crate::{interrupt, output};
 
-/// Runs `work` on each log. A failure is the result of its log alone; after Ctrl-C the logs not yet
+/// Runs `work` on each log. A failure, even a panic, is the result of its log alone; after Ctrl-C the logs not yet
 /// begun fail as interrupted, so that nothing is silently missing.
-pub fn each_log<T: Send>(
+pub fn each<I: Sync, T: Send>(
     common: &Common,
-    logs: &[PathBuf],
+    logs: &[I],
     label: &str,
-    work: impl Fn(&PathBuf) -> Result<T> + Sync,
+    work: impl Fn(&I) -> Result<T> + Sync,
 ) -> Vec<Result<T>> {
     let cores = || thread::available_parallelism().map_or(1, NonZero::get);
     let threads = common.threads.map_or_else(cores, usize::from).min(logs.len()).max(1);
@@ -36,7 +36,9 @@ pub fn each_log<T: Send>(
                     let result = if interrupt::pressed() {
                         Err(anyhow!("interrupted before this log was begun"))
                     } else {
-                        work(log)
+                        panic::catch_unwind(AssertUnwindSafe(|| work(log))).unwrap_or_else(|_| {
+                            Err(anyhow!("a fault of the program; please report it"))
+                        })
                     };
                     if let Ok(mut slot) = slot.lock() {
                         *slot = Some(result);
@@ -51,7 +53,31 @@ pub fn each_log<T: Send>(
         .into_iter()
         .map(|slot| {
             let result = slot.into_inner().ok().flatten();
-            result.unwrap_or_else(|| Err(anyhow!("the worker of this log died")))
+            result.unwrap_or_else(|| Err(anyhow!("not worked on")))
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::Format;
+
+    #[test]
+    fn a_panic_is_the_failure_of_its_own_item() {
+        let common = Common {
+            format: Format::Human,
+            quiet: true,
+            verbose: false,
+            force: false,
+            threads: Some(2),
+        };
+        let results = each(&common, &[1, 2, 3], "testing", |item| {
+            assert_ne!(*item, 2, "on purpose");
+            Ok(item * 10)
+        });
+        let shown: Vec<String> = results.iter().map(|result| format!("{result:?}")).collect();
+        assert_eq!((shown[0].as_str(), shown[2].as_str()), ("Ok(10)", "Ok(30)"));
+        assert!(results[1].is_err());
+    }
 }

@@ -18,6 +18,12 @@ pub fn install() {
     }
 }
 
+/// Ends what is under way, where it has nothing to finish.
+pub fn check() -> anyhow::Result<()> {
+    anyhow::ensure!(!pressed(), "interrupted");
+    Ok(())
+}
+
 /// Whether Ctrl-C was pressed.
 pub fn pressed() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)

@@ -32,6 +32,19 @@ pub fn guard(path: &Path, force: bool) -> Result<()> {
     Ok(())
 }
 
+/// Refuses to write a file that is being read, whatever `--force` says.
+pub fn guard_input(output: &Path, input: &Path) -> Result<()> {
+    let same = match (fs::canonicalize(output), fs::canonicalize(input)) {
+        (Ok(output), Ok(input)) => output == input,
+        // What does not exist yet is no input.
+        _ => false,
+    };
+    if same {
+        bail!("{} is the input; name another output", output.display());
+    }
+    Ok(())
+}
+
 /// Where the replay of `log` goes: into the file `output` for one log, into the folder `output` for
 /// several, as `LOGNAME.CONTROLLER.mcap`.
 pub fn output_for(log: &Path, controller: &str, output: &Path, several: bool) -> PathBuf {

@@ -17,20 +17,27 @@ mod output;
 mod status;
 
 use clap::Parser;
+use clap::error::ErrorKind;
 use std::process::ExitCode;
 
 use crate::cli::Cli;
 use crate::status::Status;
 
 fn main() -> ExitCode {
-    let cli = Cli::parse();
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        // A value that does not do is one line; everything else is clap's own to tell.
+        Err(error) if error.kind() == ErrorKind::ValueValidation => {
+            eprintln!("{}", output::one_line(error.to_string().lines().next().unwrap_or_default()));
+            return Status::Impossible.into();
+        }
+        Err(error) => error.exit(),
+    };
     interrupt::install();
     let status = match command::run(&cli) {
         Ok(status) => status,
-        // A reader of our output that went away (`| head`) is no failure of ours.
-        Err(error) if output::is_broken_pipe(&error) => Status::Done,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            output::error(&error);
             Status::of_error(&error)
         }
     };

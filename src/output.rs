@@ -21,10 +21,29 @@ pub fn print<T: Serialize>(
         Format::Human => human(result),
     };
     let mut out = io::stdout().lock();
-    out.write_all(text.trim_end().as_bytes())?;
-    out.write_all(b"\n")?;
-    out.flush()?;
-    Ok(())
+    let written = out
+        .write_all(text.trim_end().as_bytes())
+        .and_then(|()| out.write_all(b"\n"))
+        .and_then(|()| out.flush());
+    match written {
+        // A reader that went away (`| head`) changes nothing about the result.
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => Ok(other?),
+    }
+}
+
+/// Prints an error as the one line that it is to be.
+pub fn error(error: &anyhow::Error) {
+    eprintln!("error: {}", one_line(&format!("{error:#}")));
+}
+
+/// A message in one line: excerpts of a file, as the TOML reader adds them, are left out.
+pub fn one_line(text: &str) -> String {
+    let excerpt = |line: &str| {
+        line.trim_start_matches(|c: char| c.is_ascii_digit() || c == ' ').starts_with('|')
+    };
+    let lines = text.lines().filter(|line| !excerpt(line)).map(str::trim);
+    lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(": ")
 }
 
 /// Says something about the run on standard error, unless told to be quiet.
@@ -56,10 +75,17 @@ pub fn bar(common: &Common, length: u64, label: &str, template: &str) -> Progres
     bar
 }
 
-/// Whether the error is that nobody reads our output any more.
-pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
-    error
-        .chain()
-        .filter_map(|cause| cause.downcast_ref::<io::Error>())
-        .any(|cause| cause.kind() == io::ErrorKind::BrokenPipe)
+#[cfg(test)]
+mod tests {
+    use super::one_line;
+
+    #[test]
+    fn errors_are_one_line() {
+        let toml = "TOML parse error at line 2, column 1\n  |\n2 | duration = 3.0\n  | ^^^^^^^^\nunknown field `duration`\n";
+        assert_eq!(
+            one_line(toml),
+            "TOML parse error at line 2, column 1: unknown field `duration`"
+        );
+        assert_eq!(one_line("just so"), "just so");
+    }
 }

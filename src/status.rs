@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use replay::ReplayError;
 use schemas::log::LogError;
 
 /// What the program exits with.
@@ -20,10 +21,13 @@ pub enum Status {
 impl Status {
     /// The status of a run that ended in an error: 1 when a file is damaged, else 2.
     pub fn of_error(error: &anyhow::Error) -> Status {
-        let damaged = error
-            .chain()
-            .filter_map(|cause| cause.downcast_ref::<LogError>())
-            .any(LogError::is_damage);
+        let damaged = error.chain().any(|cause| {
+            let of_replay = match cause.downcast_ref::<ReplayError>() {
+                Some(ReplayError::Log(error)) => Some(error),
+                _ => None,
+            };
+            of_replay.or(cause.downcast_ref::<LogError>()).is_some_and(LogError::is_damage)
+        });
         if damaged { Status::Differs } else { Status::Impossible }
     }
 

@@ -49,12 +49,7 @@ impl<S: Source> Session<S> {
         }))
     }
 
-    /// The source, to ask it about things that are not events.
-    pub fn source(&self) -> &S {
-        &self.source
-    }
-
-    /// The same, to change it.
+    /// The source, for what are not events.
     pub fn source_mut(&mut self) -> &mut S {
         &mut self.source
     }

@@ -102,7 +102,7 @@ impl Spec {
             });
         };
         let mut params = Params::default();
-        for (key, setting) in version.differences {
+        for (key, setting) in version.differences.iter().copied().flatten() {
             params.set(key, &(*setting).into())?;
         }
         for table in overrides {

@@ -14,27 +14,31 @@ pub struct Version {
     pub law: Law,
     /// What it is, in a sentence.
     pub summary: &'static str,
-    /// Where its parameters differ from [`crate::Params::table`].
-    pub differences: &'static [(&'static str, Setting)],
+    /// Where its parameters differ from [`crate::Params::table`]: groups of keys and values, each laid
+    /// over those before it.
+    pub differences: &'static [&'static [(&'static str, Setting)]],
 }
+
+/// What both versions of the paper's laws have as printed.
+const PRINTED: &[(&str, Setting)] = &[
+    ("frame", Name("ref")),
+    ("side_rule", Name("printed")),
+    ("branch_signs", Name("left")),
+    ("sets", Name("printed")),
+    ("d_mode_task", Name("heading")),
+    ("d_mode_free", Name("heading")),
+    ("margin", Name("never")),
+    ("v_rest_mps", Number(0.0)),
+    ("saturation", Name("clip")),
+    ("projection", Name("none")),
+];
 
 const VERSIONS: &[Version] = &[
     Version {
         name: "paper-kinematic",
         law: Law::Kinematic,
         summary: "the kinematic law, sets and hysteresis as printed in the paper; the baseline, which may hit things",
-        differences: &[
-            ("frame", Name("ref")),
-            ("side_rule", Name("printed")),
-            ("branch_signs", Name("left")),
-            ("sets", Name("printed")),
-            ("d_mode_task", Name("heading")),
-            ("d_mode_free", Name("heading")),
-            ("margin", Name("never")),
-            ("v_rest_mps", Number(0.0)),
-            ("saturation", Name("clip")),
-            ("projection", Name("none")),
-        ],
+        differences: &[PRINTED],
     },
     Version {
         name: "tandem-kinematic",
@@ -47,41 +51,34 @@ const VERSIONS: &[Version] = &[
         law: Law::Dynamic,
         summary: "the dynamic law, sets and hysteresis as printed in the paper; the baseline, which may hit things",
         differences: &[
-            ("gamma1", Number(0.3)),
-            ("gamma2", Number(0.3)),
-            ("gamma3", Number(4.0)),
-            ("gamma5", Number(0.0)),
-            ("lambda", Number(1.0)),
-            ("control_period_s", Number(0.01)),
-            ("frame", Name("ref")),
-            ("side_rule", Name("printed")),
-            ("branch_signs", Name("left")),
-            ("sets", Name("printed")),
-            ("d_mode_task", Name("heading")),
-            ("d_mode_free", Name("heading")),
-            ("margin", Name("never")),
-            ("v_rest_mps", Number(0.0)),
-            ("saturation", Name("clip")),
-            ("projection", Name("none")),
+            PRINTED,
+            &[
+                ("gamma1", Number(0.3)),
+                ("gamma2", Number(0.3)),
+                ("gamma3", Number(4.0)),
+                ("gamma5", Number(0.0)),
+                ("lambda", Number(1.0)),
+                ("control_period_s", Number(0.01)),
+            ],
         ],
     },
     Version {
         name: "tandem-dynamic",
         law: Law::Dynamic,
         summary: "the dynamic law with the paper's errata mended and damping of the heading error, with limits and the safety layer",
-        differences: &[
+        differences: &[&[
             ("gamma1", Number(0.3)),
             ("gamma2", Number(0.3)),
             ("gamma3", Number(4.0)),
             ("control_period_s", Number(0.01)),
             ("v_rest_mps", Number(0.01)),
-        ],
+        ]],
     },
     Version {
         name: "human",
         law: Law::Human,
         summary: "the person drives alone (k = 1); the law is computed and logged but never applied",
-        differences: &[("saturation", Name("clip")), ("projection", Name("none"))],
+        differences: &[&[("saturation", Name("clip")), ("projection", Name("none"))]],
     },
 ];
 

@@ -97,7 +97,7 @@ impl<R: Read> OpenLoop<R> {
                 None
             }
             Err(error) => {
-                self.tally.damage = Some(error.to_string());
+                self.tally.damage = Some(error);
                 self.ended = true;
                 None
             }

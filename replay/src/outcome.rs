@@ -1,5 +1,6 @@
 //! What came of a replay, counted while it runs.
 
+use schemas::log::LogError;
 use schemas::{Event, Stamped, Step, Time, Value};
 
 use crate::{Covered, OutputHash, ReplayError};
@@ -45,7 +46,7 @@ pub(crate) struct Tally {
     replayed: OutputHash,
     recorded: OutputHash,
     deviation: Option<Deviation>,
-    pub(crate) damage: Option<String>,
+    pub(crate) damage: Option<LogError>,
 }
 
 impl Tally {
@@ -89,7 +90,7 @@ impl Tally {
 
     pub(crate) fn finish(self) -> Result<Outcome, ReplayError> {
         if self.steps == 0 {
-            return Err(ReplayError::NoStep);
+            return Err(self.damage.map_or(ReplayError::NoStep, ReplayError::Log));
         }
         let (output_hash, recorded_hash) = (self.replayed.hex(), self.recorded.hex());
         Ok(Outcome {
@@ -101,7 +102,7 @@ impl Tally {
             recorded_hash,
             max_deviation: self.deviation,
             duration_s: self.last.seconds_since(self.start),
-            damage: self.damage,
+            damage: self.damage.map(|damage| damage.to_string()),
         })
     }
 }

@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use schemas::log::LogReader;
+use schemas::log::{LogError, LogReader};
 use schemas::{Event, Header, SensorSuite, Stamped, Step, Time};
 
 use crate::ReplayError;
@@ -20,7 +20,7 @@ pub(crate) fn sensors_of(header: &Header) -> Result<SensorSuite, ReplayError> {
 pub(crate) struct Recorded<R> {
     log: LogReader<R>,
     next: Option<Stamped<Event>>,
-    damage: Option<String>,
+    damage: Option<LogError>,
     /// The recorded step seen last.
     pub(crate) step: Option<Box<Step>>,
 }
@@ -36,7 +36,7 @@ impl<R: Read> Recorded<R> {
         self.next = match self.log.next_event() {
             Ok(event) => event,
             Err(error) => {
-                self.damage = Some(error.to_string());
+                self.damage = Some(error);
                 None
             }
         };
@@ -58,7 +58,7 @@ impl<R: Read> Recorded<R> {
     }
 
     /// What was wrong with the log, once its end was reached.
-    pub(crate) fn damage(&mut self) -> Option<String> {
+    pub(crate) fn damage(&mut self) -> Option<LogError> {
         self.damage.take()
     }
 }

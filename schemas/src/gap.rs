@@ -1,4 +1,4 @@
-//! Notes about the recording itself: drop-outs and measured times.
+//! A note about the recording itself: a stream dropped out.
 
 use crate::Time;
 
@@ -15,15 +15,4 @@ pub struct Gap {
     pub end: Time,
     /// What is known about the cause.
     pub cause: String,
-}
-
-/// Wall time that one controller step took.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Timing {
-    /// The step's instant.
-    pub stamp: Time,
-    /// The step's index.
-    pub step_index: u64,
-    /// Its cost, nanoseconds.
-    pub step_cost_ns: u64,
 }

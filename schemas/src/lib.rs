@@ -19,6 +19,7 @@ mod sample;
 mod scenario;
 mod step;
 mod time;
+mod timing;
 mod truth;
 pub mod view;
 mod wire;
@@ -26,7 +27,7 @@ mod world;
 
 pub use command::Command;
 pub use event::{Event, Pulled, Source};
-pub use gap::{Gap, Timing};
+pub use gap::Gap;
 pub use motion::{Pose, Twist};
 pub use robot::{Footprint, SONAR_BLIND_M, SONAR_REACH_M, SONARS, SonarMount};
 pub use run::{FORMAT_VERSION, Header, RunInfo};
@@ -39,6 +40,7 @@ pub use scenario::{
 };
 pub use step::{Field, FrameSource, LawBranch, Node, Reason, ReferenceSource, Region, Step, Value};
 pub use time::{NS_PER_S, SIMULATION_EPOCH, Span, Stamped, Time};
+pub use timing::Timing;
 pub use truth::{Disc, Truth};
 pub use world::{HalfPlane, MovingDisc, NearestFace, Obstacle, World};
 

@@ -24,13 +24,13 @@ pub struct RunInfo {
     pub seed: u64,
     /// Name of the scenario.
     pub scenario: String,
-    /// Sensor suite: `exact`, `sonar` or `robot`.
+    /// Sensor suite: `exact` or `sonar`.
     pub sensors: String,
     /// Who steered: `goal`, `script`, `joystick`, or a model of the recorded person (`playback`, …).
     pub driver: String,
     /// How the log came about: `record`, `open` or `closed`.
     pub mode: String,
-    /// Name of the operator, for clustering in statistics; may be empty.
+    /// Name of the operator, kept for statistics over people; may be empty.
     pub operator: String,
     /// Free text.
     pub note: String,

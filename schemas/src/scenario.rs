@@ -3,6 +3,8 @@
 //! Scenarios are TOML files; the one in force is attached to every log, so that a log can be
 //! replayed without anything but itself.
 
+mod check;
+
 use serde::{Deserialize, Serialize};
 
 use crate::{Footprint, Pose, World};
@@ -326,53 +328,6 @@ impl Scenario {
     /// Never: every field of a scenario has a TOML form.
     pub fn to_toml(&self) -> String {
         toml::to_string(self).expect("every field of a scenario has a TOML form")
-    }
-
-    /// Checks that the scenario's numbers make sense; [`Scenario::from_toml`] has done so.
-    ///
-    /// # Errors
-    /// A value is out of range, or the driver lacks what it needs.
-    pub fn check(&self) -> Result<(), ScenarioError> {
-        let bad = |what: &str| Err(ScenarioError::Value(what.to_owned()));
-        if !(self.duration_s > 0.0 && self.duration_s.is_finite()) {
-            return bad("duration_s must be a positive number");
-        }
-        if self.robot.footprint.length_m < 0.0 || self.robot.footprint.width_m < 0.0 {
-            return bad("robot.footprint must not be negative");
-        }
-        if self.robot.track_m.is_nan() || self.robot.track_m <= 0.0 {
-            return bad("robot.track_m must be positive");
-        }
-        let start = &self.start;
-        if !(start.pose.is_finite() && start.v_mps.is_finite() && start.omega_radps.is_finite()) {
-            return bad("start must hold finite numbers");
-        }
-        if let Some(task) = &self.task {
-            let [[x, y], [vx, vy]] = [task.from_m, task.velocity_mps];
-            if ![x, y, vx, vy, task.until_s].iter().all(|number| number.is_finite()) {
-                return bad("task must hold finite numbers");
-            }
-        }
-        let plant = &self.plant;
-        let limits =
-            [plant.v_max_mps, plant.omega_max_radps, plant.accel_max_mps2, plant.alpha_max_radps2];
-        if limits.iter().any(|limit| limit.is_nan() || *limit <= 0.0) {
-            return bad("plant limits must be positive");
-        }
-        if !(0.0..1.0).contains(&plant.slip) {
-            return bad("plant.slip must be in [0, 1)");
-        }
-        if !(plant.actuator_delay_s >= 0.0 && plant.actuator_delay_s.is_finite()) {
-            return bad("plant.actuator_delay_s must not be negative");
-        }
-        self.world.check().map_err(ScenarioError::Value)?;
-        if self.driver == Driver::Goal && self.task.is_none() {
-            return bad("driver = \"goal\" needs a [task] to pursue");
-        }
-        if self.driver == Driver::Script && self.person.script.is_empty() {
-            return bad("driver = \"script\" needs [[person.script]] strokes");
-        }
-        Ok(())
     }
 }
 

@@ -301,7 +301,7 @@ names! {
         FeedbackInvalid = "feedback_invalid",
         /// The safety layer would have had to alter what the person asked for.
         WouldBeProjected = "would_be_projected",
-        /// Standing still until every sonar has been heard.
+        /// A robot with sonars stands still for a fixed time at the start.
         Starting = "starting",
     }
 }
@@ -470,13 +470,13 @@ step! {
         d_r1_m: f64, "m";
         /// Admissible wanted distance on the selected side (8).
         d_r2_m: f64, "m";
-        /// Its rate.
+        /// Rate of `d_r1`.
         d_r1_rate_mps: f64, "m/s";
-        /// Its rate.
+        /// Rate of `d_r2`.
         d_r2_rate_mps: f64, "m/s";
-        /// Its second rate.
+        /// Second rate of `d_r1`.
         d_r1_accel_mps2: f64, "m/s²";
-        /// Its second rate.
+        /// Second rate of `d_r2`.
         d_r2_accel_mps2: f64, "m/s²";
     }
     Law {
@@ -490,7 +490,7 @@ step! {
         theta_e_rad: f64, "rad";
         /// Wanted θe.
         theta_star_rad: f64, "rad";
-        /// Its rate.
+        /// Rate of the wanted θe.
         theta_star_rate_radps: f64, "rad/s";
         /// Wanted speed.
         v_star_mps: f64, "m/s";
@@ -498,12 +498,12 @@ step! {
         omega_star_radps: f64, "rad/s";
         /// Lyapunov function (10) or (16).
         lyapunov: f64, "";
-        /// Feedback input: (v, ω) or (acceleration, angular acceleration).
-        u_f: [f64; 2], "m/s, rad/s";
+        /// Feedback input: (v, ω) or (acceleration, angular acceleration); m/s, rad/s or m/s², rad/s².
+        u_f: [f64; 2], "m/s or m/s², rad/s or rad/s²";
     }
     Sharing {
-        /// Human input after clipping to the limits.
-        u_h: [f64; 2], "m/s, rad/s";
+        /// Human input after clipping to the limits; m/s, rad/s or m/s², rad/s².
+        u_h: [f64; 2], "m/s or m/s², rad/s or rad/s²";
         /// Class of the state in the sets (12).
         region: Region, "";
         /// Sharing function k (13): 1 the person drives, 0 the feedback law.
@@ -514,10 +514,10 @@ step! {
         reason: Reason, "";
     }
     Command {
-        /// Input chosen by (14), before the safety layer.
-        u_s_before_projection: [f64; 2], "m/s, rad/s";
-        /// Input applied.
-        u_s: [f64; 2], "m/s, rad/s";
+        /// Input chosen by (14), before the safety layer; m/s, rad/s or m/s², rad/s².
+        u_s_before_projection: [f64; 2], "m/s or m/s², rad/s or rad/s²";
+        /// Input applied; m/s, rad/s or m/s², rad/s².
+        u_s: [f64; 2], "m/s or m/s², rad/s or rad/s²";
         /// Whether S1 scaled the feedback input.
         saturated: bool, "";
         /// Whether the safety layer altered the input.

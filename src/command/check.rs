@@ -7,13 +7,12 @@ use std::path::PathBuf;
 use anyhow::{Context as _, Result};
 use clap::Args;
 use compare::golden::{self, Golden, Problem};
-use compare::{Diff, Tolerances};
 use serde::Serialize;
 
 use crate::cli::Common;
-use crate::fixture::{self, Fixture, Today};
+use crate::fixture::{self, Fixture};
 use crate::status::Status;
-use crate::{fleet, logs, output};
+use crate::{fleet, output};
 
 /// Replay every fixture with today's controller and compare it with its golden result.
 ///
@@ -49,13 +48,13 @@ impl Check {
     pub fn run(&self, common: &Common) -> Result<Status> {
         let fixtures = fixture::find(&self.folder)?;
         let folders: Vec<PathBuf> = fixtures.iter().map(|fixture| fixture.folder.clone()).collect();
-        let results = fleet::each_log(common, &folders, "checking", |folder| {
+        let results = fleet::each(common, &folders, "checking", |folder| {
             let fixture = fixtures.iter().find(|fixture| fixture.folder == *folder);
             fixture.context("fixture vanished").and_then(check)
         });
         let mut report = Report { ok: true, problems: Vec::new(), fixtures: Vec::new() };
-        for (folder, result) in folders.iter().zip(results) {
-            let fixture = folder.display().to_string();
+        for (fixture, result) in fixtures.iter().zip(results) {
+            let fixture = fixture.folder.display().to_string();
             let (problems, today) = result.unwrap_or_else(|error| {
                 let problem = Problem {
                     at: fixture.clone(),
@@ -86,7 +85,7 @@ fn check(fixture: &Fixture) -> Result<(Vec<Problem>, Option<Golden>)> {
     let problems = if path.is_file() {
         let text = fs::read_to_string(&path).with_context(path_name)?;
         let golden = Golden::from_toml(&text).with_context(path_name)?;
-        match diff(fixture, &today) {
+        match fixture.diff(&today) {
             Ok(diff) => golden::check(&name, &golden, &today.golden, Some(&diff)),
             Err(error) => {
                 let mut problems = golden::check(&name, &golden, &today.golden, None);
@@ -108,19 +107,6 @@ fn check(fixture: &Fixture) -> Result<(Vec<Problem>, Option<Golden>)> {
         }]
     };
     Ok((problems, Some(today.golden)))
-}
-
-/// The golden run (A) against today's (B).
-fn diff(fixture: &Fixture, today: &Today) -> Result<Diff> {
-    let path = fixture.golden_mcap();
-    let mut golden = logs::open(&path)?;
-    let start = golden.header().run.start;
-    let mut events = today.events.iter().cloned();
-    compare::diff::<anyhow::Error>(
-        &Tolerances::exact(),
-        (start, || golden.next_event().with_context(|| path.display().to_string())),
-        (today.header.run.start, || Ok(events.next())),
-    )
 }
 
 fn text(report: &Report) -> String {

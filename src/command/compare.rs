@@ -70,7 +70,7 @@ impl Compare {
             None => Vec::new(),
             Some(folder) => report_files(folder, common.force)?,
         };
-        let results = fleet::each_log(common, &self.logs, "comparing", |log| {
+        let results = fleet::each(common, &self.logs, "comparing", |log| {
             let pair = arm::pair(log, (&self.a, &self.b), mode)?;
             output::detail(common, || format!("{}: compared", pair.log));
             Ok(pair)

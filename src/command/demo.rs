@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result, bail, ensure};
+use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use compare::Comparison;
 use replay::Mode;
@@ -27,9 +27,12 @@ const KINDS: [&str; 6] =
     ["rect:goal", "rect:joystick", "slant:goal", "slant:joystick", "disc:goal", "disc:joystick"];
 const SESSIONS_OF_EACH_KIND: u32 = 4;
 
+/// Who drove while the random sessions were recorded.
+const RECORDED_WITH: [&str; 2] = ["human", "paper-kinematic"];
+
 /// The whole story in a minute: record, replay, compare, and where to look.
 ///
-/// Writes into `tandem-demo/`, and makes that folder anew each time.
+/// Writes into `tandem-demo/`; `--force` makes an earlier demo there anew.
 #[derive(Args)]
 #[command(after_help = "Exit status: 1 when a replay is not the recording, bit for bit.")]
 pub struct Demo {}
@@ -61,7 +64,7 @@ impl Demo {
     #[expect(clippy::unused_self, reason = "every command is run alike")]
     pub fn run(&self, common: &Common) -> Result<Status> {
         let folder = Path::new(FOLDER);
-        prepare(folder)?;
+        prepare(folder, common.force)?;
         let quiet = Common { force: true, quiet: true, ..common.clone() };
 
         output::say(
@@ -71,7 +74,7 @@ impl Demo {
         let lab = folder.join("case1-lab.mcap");
         record(&quiet, "case1-lab", "tandem-kinematic", None, &lab)?;
         let mut fleets = Vec::new();
-        for recorded_with in ["human", "paper-kinematic"] {
+        for recorded_with in RECORDED_WITH {
             let logs = record_fleet(common, &quiet, folder, recorded_with)?;
             fleets.push((recorded_with, logs));
         }
@@ -119,19 +122,25 @@ impl Demo {
     }
 }
 
-/// Makes the folder anew, but never removes anything that a demo did not make.
-fn prepare(folder: &Path) -> Result<()> {
-    let marker = folder.join(".made-by-tandem-demo");
+/// Makes the folder, or, where it may, clears what an earlier demo left there and nothing else.
+fn prepare(folder: &Path, force: bool) -> Result<()> {
     let name = || folder.display().to_string();
     if folder.exists() {
-        ensure!(
-            marker.exists(),
-            "{FOLDER} exists and was not made by a demo; move it away, or run the demo elsewhere"
-        );
-        fs::remove_dir_all(folder).with_context(name)?;
+        ensure!(force, "{FOLDER} exists; pass --force to make the demo anew there");
+        let mut left = vec![folder.join("case1-lab.mcap")];
+        for recorded_with in RECORDED_WITH {
+            left.push(folder.join(format!("recorded-with-{recorded_with}")));
+            left.push(folder.join(format!("report-{recorded_with}")));
+        }
+        for path in left {
+            if path.is_dir() {
+                fs::remove_dir_all(&path).with_context(|| path.display().to_string())?;
+            } else if path.exists() {
+                fs::remove_file(&path).with_context(|| path.display().to_string())?;
+            }
+        }
     }
-    fs::create_dir_all(folder).with_context(name)?;
-    fs::write(&marker, "").with_context(name)
+    fs::create_dir_all(folder).with_context(name)
 }
 
 fn record(
@@ -141,9 +150,7 @@ fn record(
     sensors: Option<SensorsName>,
     log: &Path,
 ) -> Result<()> {
-    if interrupt::pressed() {
-        bail!("interrupted");
-    }
+    interrupt::check()?;
     Record {
         from: "sim".to_owned(),
         scenario: scenario.to_owned(),
@@ -172,15 +179,14 @@ fn record_fleet(
     let mut scenarios = Vec::new();
     for kind in KINDS {
         for number in 1..=SESSIONS_OF_EACH_KIND {
-            scenarios.push(PathBuf::from(format!("random:{kind}:{number}")));
+            scenarios.push(format!("random:{kind}:{number}"));
         }
     }
     let label = format!("recording with {controller}");
-    let results = fleet::each_log(common, &scenarios, &label, |scenario| {
-        let scenario = scenario.to_string_lossy();
+    let results = fleet::each(common, &scenarios, &label, |scenario| {
         let log = folder.join(format!("{}.mcap", scenario.replace(':', "-")));
         // Exact rays: what differs is then the law, not the luck of an echo.
-        record(quiet, &scenario, controller, Some(SensorsName::Exact), &log)?;
+        record(quiet, scenario, controller, Some(SensorsName::Exact), &log)?;
         Ok(log)
     });
     results.into_iter().collect()
@@ -190,7 +196,9 @@ fn replay(log: &Path, mode: Mode) -> Result<ReplayedLine> {
     let header = LogReader::open(log)?.header().clone();
     let spec = ControllerChoice::Recorded.for_log(&header)?;
     let mut replay = replay::Replay::new(|| logs::open_raw(log), &spec, mode)?;
-    while replay.next_event().is_some() {}
+    while replay.next_event().is_some() {
+        interrupt::check()?;
+    }
     let outcome = replay.finish()?;
     Ok(ReplayedLine {
         log: log.display().to_string(),

@@ -9,7 +9,7 @@ use compare::{Tolerances, report};
 
 use crate::cli::Common;
 use crate::status::Status;
-use crate::{logs, output};
+use crate::{interrupt, logs, output};
 
 /// What differs between two runs, field by field, and what differed first.
 ///
@@ -49,7 +49,10 @@ impl Diff {
         let starts = (a.header().run.start, b.header().run.start);
         let diff = compare::diff::<anyhow::Error>(
             &tolerances,
-            (starts.0, || a.next_event().with_context(|| self.a.display().to_string())),
+            (starts.0, || {
+                interrupt::check()?;
+                a.next_event().with_context(|| self.a.display().to_string())
+            }),
             (starts.1, || b.next_event().with_context(|| self.b.display().to_string())),
         )?;
         output::print(common, &diff, report::diff_text)?;

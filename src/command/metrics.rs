@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::cli::{Common, Format};
 use crate::status::Status;
-use crate::{fleet, logs, output};
+use crate::{fleet, interrupt, logs, output};
 
 /// Measure runs; without a run, list and explain the metrics.
 #[derive(Args)]
@@ -63,11 +63,11 @@ impl Metrics {
             output::print(common, &rows, |_| report::catalogue_text())?;
             return Ok(Status::Done);
         }
-        let results = fleet::each_log(common, &self.runs, "measuring", |run| measure(run));
+        let results = fleet::each(common, &self.runs, "measuring", |run| measure(run));
         let mut status = Status::Done;
         for error in results.iter().filter_map(|result| result.as_ref().err()) {
             status = status.worse(Status::of_error(error));
-            eprintln!("error: {error:#}");
+            output::error(error);
         }
         if common.format == Format::Human {
             let measured: Vec<(String, Measured)> = self
@@ -112,6 +112,7 @@ pub fn measure(run: &Path) -> Result<Measured> {
     let mut log = logs::open(run)?;
     let mut meter = Meter::new(log.header());
     while let Some(event) = log.next_event().with_context(name)? {
+        interrupt::check()?;
         meter.observe(&event);
     }
     meter.finish().with_context(name)

@@ -50,7 +50,7 @@ pub struct Record {
     /// How long, in seconds [default: the scenario's]
     #[arg(long, value_name = "SECONDS", value_parser = positive_seconds, allow_negative_numbers = true)]
     pub duration: Option<f64>,
-    /// Who was driving, for statistics over people
+    /// Who was driving; kept in the log and shown in reports
     #[arg(long, default_value = "", value_name = "NAME", hide_default_value = true)]
     pub operator: String,
     /// Anything worth remembering about the session

@@ -1,6 +1,8 @@
 //! `tandem replay`: logs through a controller again.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
+use std::fs;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
@@ -120,7 +122,8 @@ impl Replay {
             bail!("-o names a file, but there are several logs: name a folder");
         }
         let mode = self.how.mode.with(self.how.human);
-        let results = fleet::each_log(common, &self.logs, "replaying", |log| {
+        self.guard_outputs(several)?;
+        let results = fleet::each(common, &self.logs, "replaying", |log| {
             self.replay_one(common, log, mode, several)
         });
         let runs: Vec<Run> = self
@@ -159,6 +162,24 @@ impl Replay {
         Ok(status)
     }
 
+    /// Refuses two logs of one name for one folder: one result would overwrite the other.
+    fn guard_outputs(&self, several: bool) -> Result<()> {
+        let Some(output) = &self.output else { return Ok(()) };
+        let mut seen = BTreeMap::new();
+        for log in &self.logs {
+            let path = logs::output_for(log, self.controller.label(), output, several);
+            if let Some(other) = seen.insert(path.clone(), log) {
+                bail!(
+                    "{} and {} would both be written to {}; replay them into different folders",
+                    other.display(),
+                    log.display(),
+                    path.display()
+                );
+            }
+        }
+        Ok(())
+    }
+
     fn replay_one(&self, common: &Common, log: &Path, mode: Mode, several: bool) -> Result<Run> {
         let header = logs::open(log)?.header().clone();
         let spec = self.controller.for_log(&header)?;
@@ -180,6 +201,7 @@ impl Replay {
             None => None,
             Some(output) => {
                 let path = logs::output_for(log, &spec.name, output, several);
+                logs::guard_input(&path, log)?;
                 logs::guard(&path, common.force)?;
                 let header = replay_header(&header, &spec, mode, logs::hash_file(log)?);
                 Some(Writing::begin(path, &header)?)
@@ -196,7 +218,16 @@ impl Replay {
             }
         }
         let written = writer.map(Writing::finish).transpose()?;
-        let outcome = replay.finish().with_context(|| log.display().to_string())?;
+        let outcome = match replay.finish().with_context(|| log.display().to_string()) {
+            Ok(outcome) => outcome,
+            Err(error) => {
+                // A log without a step is no result.
+                if let Some(path) = &written {
+                    let _ = fs::remove_file(path);
+                }
+                return Err(error);
+            }
+        };
         let error = match &outcome.damage {
             _ if interrupted => Some(format!("{}: interrupted", log.display())),
             Some(damage) => Some(format!("{}: {damage}", log.display())),

@@ -91,7 +91,7 @@ fn arguments_that_mean_nothing() {
         ("check nowhere", "nowhere"),
     ] {
         let run = here.tandem(line).exits(2);
-        assert!(run.stderr.contains(what), "`{line}` should speak of {what}: {}", run.stderr);
+        assert!(run.error_line().contains(what), "`{line}` should speak of {what}: {}", run.stderr);
         assert!(!here.path("x.mcap").exists(), "`{line}` leaves nothing behind");
     }
 }
@@ -110,5 +110,40 @@ fn a_scenario_with_a_wrong_key() {
     let here = Workplace::new();
     fs::write(here.path("own.toml"), "name = \"own\"\nduration = 3.0\n").unwrap();
     let run = here.tandem("record --scenario own.toml -o x.mcap").exits(2);
-    assert!(run.stderr.contains("own.toml") && run.stderr.contains("duration"), "{}", run.stderr);
+    let line = run.error_line();
+    assert!(line.contains("own.toml") && line.contains("duration"), "{line}");
+}
+
+#[test]
+fn an_output_that_is_the_input() {
+    let here = Workplace::new();
+    let log = here.record("log.mcap", "--scenario case1 --duration 5");
+    let before = fs::read(&log).unwrap();
+    let run = here.tandem("replay log.mcap -o log.mcap --force --quiet").exits(2);
+    assert!(run.stderr.contains("is the input"), "{}", run.stderr);
+    assert!(before == fs::read(&log).unwrap(), "the recording is untouched");
+}
+
+#[test]
+fn two_logs_for_one_output() {
+    let here = Workplace::new();
+    for folder in ["p", "q"] {
+        here.record(&format!("{folder}/log.mcap"), "--scenario case1 --duration 2");
+    }
+    let run = here.tandem("replay p/log.mcap q/log.mcap -o out --force").exits(2);
+    assert!(run.error_line().contains("both be written"), "{}", run.stderr);
+}
+
+#[test]
+fn a_log_cut_before_its_first_step() {
+    let here = Workplace::new();
+    let log = here.record("whole.mcap", "--scenario case1-lab --duration 5");
+    let bytes = fs::read(&log).unwrap();
+    // The head is a few kilobytes; the first chunk of messages ends far behind.
+    fs::write(here.path("cut.mcap"), &bytes[..12_000]).unwrap();
+    for mode in ["open", "closed"] {
+        let run = here.tandem(&format!("replay cut.mcap --mode {mode} -o out.mcap")).exits(1);
+        assert!(run.stderr.contains("cut off at byte"), "{mode}: {}", run.stderr);
+        assert!(!here.path("out.mcap").exists(), "no result, no file");
+    }
 }

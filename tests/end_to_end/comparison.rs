@@ -27,52 +27,96 @@ fn a_diff_names_the_first_cause() {
     assert!(!diff["fields"].as_array().unwrap().is_empty());
 }
 
-/// Twelve sessions are recorded with `human`; A against A says `same`, and the printed law against
-/// the corrected one says where the admissible set was left.
+/// 24 sessions in random rooms, recorded with the person alone and again with the printed law, each
+/// replayed into the printed and the corrected law (exact rays, closed loop).
+///
+/// A against A says `same`. The printed law leaves the admissible set in some (10–16 % of such rooms,
+/// docs/controller.md section 9), and every leaving is listed; the corrected law leaves it in none.
 #[test]
 fn versions_are_compared_on_the_same_people() {
+    for recorded_with in ["human", "paper-kinematic"] {
+        let here = Workplace::new();
+        let mut logs = String::new();
+        for kind in [
+            "rect:goal",
+            "rect:joystick",
+            "slant:goal",
+            "slant:joystick",
+            "disc:goal",
+            "disc:joystick",
+        ] {
+            for number in 1..=4 {
+                let name = format!("{}-{number}.mcap", kind.replace(':', "-"));
+                here.record(
+                    &name,
+                    &format!(
+                        "--scenario random:{kind}:{number} --sensors exact --controller \
+                         {recorded_with}"
+                    ),
+                );
+                logs.extend([" ", &name]);
+            }
+        }
+
+        let same = here
+            .tandem(&format!(
+                "compare --format json --a tandem-kinematic --b tandem-kinematic {logs}"
+            ))
+            .succeeds()
+            .json();
+        assert_eq!(same["verdict"], "same");
+        assert_eq!(same["logs"].as_array().unwrap().len(), 24);
+        for metric in same["metrics"].as_array().unwrap() {
+            assert!(metric["delta"] == 0.0 || metric["delta"].is_null(), "{metric}");
+        }
+
+        let json = here
+            .tandem(&format!(
+                "compare --format json --a paper-kinematic --b tandem-kinematic --report report \
+                 {logs}"
+            ))
+            .json();
+        assert_ne!(json["verdict"], "same");
+        assert_ne!(json["verdict"], "failed", "{}", json["reason"]);
+        let violations = json["violations"].as_array().unwrap();
+        let left = |arm: &str| {
+            let of_arm = violations.iter().filter(|violation| violation["arm"] == arm);
+            of_arm.filter(|violation| violation["kind"] == "left_admissible_set").count()
+        };
+        assert!(left("a") > 0, "recorded with {recorded_with}: {violations:?}");
+        assert_eq!(left("b"), 0, "recorded with {recorded_with}: {violations:?}");
+        for violation in violations {
+            for key in ["log", "t_s", "kind", "arm"] {
+                assert!(!violation[key].is_null(), "{violation}");
+            }
+        }
+        // Every log is accounted for, and every report exists.
+        assert_eq!(json["logs"].as_array().unwrap().len(), 24);
+        let reports = json["report"].as_array().unwrap();
+        for ending in [".html", ".md", ".json"] {
+            let report = reports.iter().find(|path| path.as_str().unwrap().ends_with(ending));
+            let path = report.unwrap_or_else(|| panic!("a {ending} report")).as_str().unwrap();
+            assert!(fs::metadata(here.path(path)).unwrap().len() > 1000, "{path}");
+        }
+    }
+}
+
+/// The paper's first experiment with body, walls and sixteen faulty sonars: no contact, under any of
+/// these seeds of noise, over the whole minute.
+#[test]
+fn the_laboratory_is_driven_without_contact() {
     let here = Workplace::new();
     let mut logs = String::new();
-    for kind in ["rect:goal", "rect:joystick", "slant:goal", "slant:joystick"] {
-        for number in 1..=3 {
-            let name = format!("{}-{number}.mcap", kind.replace(':', "-"));
-            here.record(&name, &format!("--scenario random:{kind}:{number} --controller human"));
-            logs.extend([" ", &name]);
-        }
+    for seed in 0..5 {
+        let name = format!("{seed}.mcap");
+        here.record(&name, &format!("--scenario case1-lab --seed {seed}"));
+        logs.extend([" ", &name]);
     }
-
-    let same = here
-        .tandem(&format!("compare --format json --a tandem-kinematic --b tandem-kinematic {logs}"))
-        .succeeds()
-        .json();
-    assert_eq!(same["verdict"], "same");
-    assert_eq!(same["logs"].as_array().unwrap().len(), 12);
-    for metric in same["metrics"].as_array().unwrap() {
-        assert!(metric["delta"] == 0.0 || metric["delta"].is_null(), "{metric}");
-    }
-
-    let run = here.tandem(&format!(
-        "compare --format json --a human --b tandem-kinematic --report report {logs}"
-    ));
-    let json = run.json();
-    assert!(
-        ["better", "worse", "undecided", "failed"].contains(&json["verdict"].as_str().unwrap())
-    );
-    // The unassisted person leaves the set in such rooms; the corrected law is not to.
-    let violations = json["violations"].as_array().unwrap();
-    assert!(violations.iter().any(|violation| violation["arm"] == "a"), "{violations:?}");
-    for violation in violations {
-        for key in ["log", "t_s", "kind", "arm"] {
-            assert!(!violation[key].is_null(), "{violation}");
-        }
-    }
-    // Every log is accounted for, and every report exists.
-    assert_eq!(json["logs"].as_array().unwrap().len(), 12);
-    let reports = json["report"].as_array().unwrap();
-    for ending in [".html", ".md", ".json"] {
-        let report = reports.iter().find(|path| path.as_str().unwrap().ends_with(ending));
-        let path = report.unwrap_or_else(|| panic!("a {ending} report")).as_str().unwrap();
-        assert!(fs::metadata(here.path(path)).unwrap().len() > 1000, "{path}");
+    let json = here.tandem(&format!("metrics --format json {logs}")).succeeds().json();
+    for run in json["runs"].as_array().unwrap() {
+        let metrics = &run["metrics"];
+        assert_eq!(metrics["collisions"]["value"], 0.0, "{run}");
+        assert!(metrics["min_clearance_m"]["value"].as_f64().unwrap() > 0.0, "{run}");
     }
 }
 

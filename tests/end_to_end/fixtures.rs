@@ -44,14 +44,28 @@ fn a_changed_gain_is_named_and_can_be_approved() {
     let what = run["problems"][0]["what"].as_str().unwrap();
     // The gain enters the wanted turn rate before anything else (law, not reference).
     assert!(what.contains("omega_star_radps") || what.contains("u_f"), "{what}");
-    assert!(what.contains(" s"), "names the time: {what}");
-    assert!(what.contains("rad/s"), "names the amount: {what}");
+    let (amount, when) = what.split(" by ").nth(1).and_then(|by| by.split_once(" at ")).unwrap();
+    let (amount, unit) = amount.split_once(' ').unwrap();
+    assert!(amount.parse::<f64>().unwrap() > 0.0 && unit.starts_with("rad/s"), "{what}");
+    let (time, rest) = when.split_once(' ').unwrap();
+    assert!((0.0..=60.0).contains(&time.parse::<f64>().unwrap()), "{what}");
+    assert!(rest.starts_with('s'), "{what}");
 
     here.tandem("approve fixtures").exits(2);
     here.tandem("approve fixtures --reason gamma3-raised-on-purpose").succeeds();
     here.tandem("check fixtures").succeeds();
     let golden = fs::read_to_string(here.path("fixtures/case1/golden.toml")).unwrap();
     assert!(golden.contains("gamma3-raised-on-purpose"), "the reason is kept: {golden}");
+}
+
+#[test]
+fn a_damaged_golden_run_can_be_approved_anew() {
+    let here = Workplace::new();
+    copy_fixture(&here, "case1");
+    fs::write(here.path("fixtures/case1/golden.mcap"), "damaged").unwrap();
+    here.tandem("check fixtures").exits(1);
+    here.tandem("approve fixtures --reason the-golden-run-was-damaged").succeeds();
+    here.tandem("check fixtures").succeeds();
 }
 
 #[test]

@@ -187,7 +187,7 @@ fn the_first_cause_is_earliest_in_time_then_in_the_data_flow() {
         fields(&diff),
         ["pose.x_m", "d2l_m", "theta_star_rad", "k", "reason", "u_s[0]", "u_s[1]"]
     );
-    assert_eq!(diff.fields[6].unit, "rad/s");
+    assert_eq!(diff.fields[6].unit, "rad/s or rad/s²");
 }
 
 /// A sentence has the digits of a report, or as many as it takes to tell the two apart.

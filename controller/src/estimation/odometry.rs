@@ -220,8 +220,12 @@ impl Odometry {
         digest.numbers(&[self.theta_rad, self.path_duration_s]);
         digest.numbers(&[self.v_mps, self.omega_radps, self.odometer_m]);
         digest.word(u64::from(self.gyro_gap));
-        for stamp in [self.integrated_to, self.standing_since].into_iter().flatten() {
-            digest.time(stamp, start);
+        // A word for whether it is there, so that one does not pass for the other.
+        for stamp in [self.integrated_to, self.standing_since] {
+            digest.word(u64::from(stamp.is_some()));
+            if let Some(stamp) = stamp {
+                digest.time(stamp, start);
+            }
         }
         if let Some((stamp, rate_radps)) = self.gyro {
             digest.time(stamp, start);

@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use schemas::log::LogReader;
+use schemas::log::{LogError, LogReader, Topic};
 use schemas::{Event, JoystickSample, Sample};
 use simulator::{Human, HumanView, Request};
 
@@ -16,23 +16,23 @@ pub(crate) struct Playback<R> {
 
 impl<R: Read> Playback<R> {
     pub(crate) fn new(log: LogReader<R>) -> Result<Playback<R>, ReplayError> {
-        let mut playback = Playback { log, next: None };
-        playback.read();
+        let mut playback = Playback { log: log.only(&[Topic::Joystick]), next: None };
+        playback.read()?;
         if playback.next.is_none() {
             return Err(ReplayError::NoJoystick);
         }
         Ok(playback)
     }
 
-    fn read(&mut self) {
+    fn read(&mut self) -> Result<(), LogError> {
         self.next = None;
-        // Damage ends the joystick here; the reader beside this one reports it.
-        while let Ok(Some(event)) = self.log.next_event() {
+        while let Some(event) = self.log.next_event()? {
             if let Event::Sample(Sample::Joystick(sample)) = event.value {
                 self.next = Some(sample);
-                return;
+                break;
             }
         }
+        Ok(())
     }
 }
 
@@ -41,7 +41,10 @@ impl<R: Read> Human for Playback<R> {
         let mut newest = None;
         while let Some(sample) = self.next.take_if(|sample| sample.stamp <= view.stamp) {
             newest = Some(sample);
-            self.read();
+            // Damage ends the joystick here; the reader beside this one reports it.
+            if self.read().is_err() {
+                break;
+            }
         }
         newest.map(|sample| Request {
             v_mps: sample.v_mps,

@@ -86,7 +86,7 @@ pub enum LogError {
     },
     /// Log times do not increase.
     #[error(
-        "log time goes back: {topic} at {} ns follows {} ns; a session log holds its events in the order of their times",
+        "log time does not increase: {topic} at {} ns follows {} ns; a session log holds its events in the order of their times",
         at.0, previous.0
     )]
     Order {

@@ -34,7 +34,9 @@ impl<R: Read> Opened<R> {
                     }
                 }
                 Ok(Some(Item::Attachment)) => {
-                    if let Some((name, data)) = parse_attachment(messages.body())? {
+                    if let Some((name, data)) =
+                        parse_attachment(messages.body(), messages.record_byte())?
+                    {
                         parts.attach(name, data)?;
                     }
                 }
@@ -128,7 +130,7 @@ impl<R: Read> LogReader<R> {
     /// The next event; `None` at the end of the log, and after an error.
     ///
     /// # Errors
-    /// The log is damaged here, carries something else than it should, or its times go back.
+    /// The log is damaged here, carries something else than it should, or its times do not increase.
     pub fn next_event(&mut self) -> Result<Option<Stamped<Event>>, LogError> {
         if self.failed {
             return Ok(None);
@@ -142,7 +144,7 @@ impl<R: Read> LogReader<R> {
         while let Some(message) = self.opened.next()? {
             let topic = self.opened.messages.channel(message.channel).and_then(|c| c.ours);
             let Some(topic) = topic.filter(|topic| self.wanted[*topic as usize]) else { continue };
-            if let Some(previous) = self.last.filter(|last| message.at < *last) {
+            if let Some(previous) = self.last.filter(|last| message.at <= *last) {
                 return Err(LogError::Order { topic: topic.name(), at: message.at, previous });
             }
             if let Some(value) = self.opened.event(&message)? {
@@ -183,7 +185,7 @@ fn parse_metadata(body: &[u8], wanted: &str) -> Option<BTreeMap<String, String>>
 }
 
 /// Name and content of an attachment record; `None` where it does not parse, as ours always do.
-fn parse_attachment(body: &[u8]) -> Result<Option<(&str, &[u8])>, LogError> {
+fn parse_attachment(body: &[u8], at_byte: u64) -> Result<Option<(&str, &[u8])>, LogError> {
     let parse = || {
         let mut bytes = Bytes(body);
         bytes.u64()?;
@@ -196,9 +198,9 @@ fn parse_attachment(body: &[u8]) -> Result<Option<(&str, &[u8])>, LogError> {
     };
     let Some((name, data, covered, crc)) = parse() else { return Ok(None) };
     if crc != 0 && crc != crc32fast::hash(covered) {
-        return Err(LogError::Header(format!(
-            "the check sum of attachment `{name}` is wrong; copy the log again"
-        )));
+        let what = format!("the check sum of attachment `{name}` is wrong");
+        // Attachments are read at the head alone, before any message.
+        return Err(LogError::Damaged { at_byte, after: None, what });
     }
     Ok(Some((name, data)))
 }

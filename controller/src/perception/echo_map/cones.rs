@@ -97,15 +97,6 @@ impl Cones {
         self.cones.iter().all(|cone| !cone.fresh)
     }
 
-    /// The last reading while it counts: metres, +∞ for silence, NaN for unknown.
-    pub(super) fn range_m(&self, id: usize) -> f64 {
-        match self.cones.get(id) {
-            Some(Cone { fresh: true, reading: Reading::Echo(range_m), .. }) => *range_m,
-            Some(Cone { fresh: true, reading: Reading::Silent, .. }) => f64::INFINITY,
-            _ => f64::NAN,
-        }
-    }
-
     /// Whether all cones that contain a direction in the body frame count, or, where none contains
     /// it, all within 30° of it.
     pub(super) fn known(&self, beams: &[Beam; SONARS.len()], body_angle_rad: f64) -> bool {
@@ -218,9 +209,9 @@ mod tests {
         let mut cones = all_fresh();
         let ms = 1_000_000;
         cones.age(SIMULATION_EPOCH.after_ns(500 * ms), 0.5);
-        assert!(!cones.dead() && cones.range_m(3) == f64::INFINITY);
+        assert!(cones.cones.iter().all(|cone| cone.fresh));
         cones.age(SIMULATION_EPOCH.after_ns(501 * ms), 0.5);
-        assert!(cones.dead() && cones.range_m(3).is_nan());
+        assert!(cones.dead());
         assert!(cones.heard_all(), "heard once is heard");
     }
 
@@ -239,6 +230,6 @@ mod tests {
     fn unheard_sonars_are_unknown() {
         let cones = Cones::new();
         assert!(cones.dead() && !cones.heard_all());
-        assert!(cones.range_m(0).is_nan() && cones.range_m(99).is_nan());
+        assert!(!cones.known(&Beam::all(), 0.0) && !cones.known(&Beam::all(), 1.0));
     }
 }

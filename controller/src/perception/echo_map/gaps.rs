@@ -3,9 +3,7 @@
 //! No sonar looks there; in those directions the nearest echo of the sonars within 30° counts as well
 //! as what is remembered (specification, section 10). So each of those sonars puts points into the gap,
 //! as far away as what it last heard; they hold as long as a reading does. They are asked only along
-//! directions in a gap. As obstacles for every direction they would hide much that is known to be free:
-//! in random rooms with perfect sonars the median by which free travel below 1 m is underestimated
-//! would grow from 0.12 m to 0.21 m.
+//! directions in a gap: as obstacles for every direction they would hide much that is known to be free.
 
 use schemas::{SONARS, Time};
 

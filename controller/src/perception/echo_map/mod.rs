@@ -182,11 +182,6 @@ impl EchoMap {
         self.cones.known(&self.beams, body_angle_rad)
     }
 
-    /// A sonar's last reading while it counts, metres; +∞ for silence, NaN for unknown.
-    pub fn cone_range_m(&self, id: usize) -> f64 {
-        self.cones.range_m(id)
-    }
-
     /// World angle from `from` straight into the nearest face, radians, from −π to π; `None` where too
     /// few echoes agree on one. To be asked after [`EchoMap::advance`].
     pub fn face_direction_rad(&self, from: &Pose) -> Option<f64> {

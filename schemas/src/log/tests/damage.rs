@@ -71,6 +71,27 @@ fn a_changed_byte_anywhere_is_noticed_and_never_becomes_a_message() {
 }
 
 #[test]
+fn a_changed_attachment_is_damage_at_its_place() {
+    let log = log_of(&events(3), &bare(600));
+    let summary = mcap::Summary::read(&log).expect("a whole file").expect("with a summary");
+    let attachments = &summary.attachment_indexes;
+    assert!(attachments.iter().any(|index| index.name == "scenario.toml"));
+    for index in attachments {
+        let mut changed = log.clone();
+        // The last byte of the content: the check sum of four bytes follows it.
+        changed[(index.offset + index.length) as usize - 5] ^= 0x01;
+        let (back, error, _) = read(&changed);
+        assert!(back.is_empty());
+        assert!(
+            matches!(&error, Some(LogError::Damaged { at_byte, after: None, what })
+                if *at_byte == index.offset && what.contains(&index.name)),
+            "{}: {error:?}",
+            index.name
+        );
+    }
+}
+
+#[test]
 fn an_error_says_where_and_how_far_the_session_can_be_read() {
     let log = log_of(&events(6), &bare(600));
     let chunks = chunks(&log);
