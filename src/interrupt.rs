@@ -11,10 +11,10 @@ pub fn install() {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
-        eprintln!("\ninterrupted: finishing what is open (again to stop at once)");
+        crate::output::note("\ninterrupted: finishing what is open (again to stop at once)");
     });
     if let Err(error) = installed {
-        eprintln!("warning: Ctrl-C will not end this run cleanly: {error}");
+        crate::output::note(&format!("warning: Ctrl-C will not end this run cleanly: {error}"));
     }
 }
 

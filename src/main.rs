@@ -28,7 +28,7 @@ fn main() -> ExitCode {
         Ok(cli) => cli,
         // A value that does not do is one line; everything else is clap's own to tell.
         Err(error) if error.kind() == ErrorKind::ValueValidation => {
-            eprintln!("{}", output::one_line(error.to_string().lines().next().unwrap_or_default()));
+            output::note(&output::one_line(error.to_string().lines().next().unwrap_or_default()));
             return Status::Impossible.into();
         }
         Err(error) => error.exit(),

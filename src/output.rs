@@ -34,7 +34,12 @@ pub fn print<T: Serialize>(
 
 /// Prints an error as the one line that it is to be.
 pub fn error(error: &anyhow::Error) {
-    eprintln!("error: {}", one_line(&format!("{error:#}")));
+    note(&format!("error: {}", one_line(&format!("{error:#}"))));
+}
+
+/// A line on standard error. That nobody can read it is no reason to fail.
+pub fn note(text: &str) {
+    let _ = writeln!(io::stderr(), "{text}");
 }
 
 /// A message in one line: excerpts of a file, as the TOML reader adds them, are left out.
@@ -49,14 +54,14 @@ pub fn one_line(text: &str) -> String {
 /// Says something about the run on standard error, unless told to be quiet.
 pub fn say(common: &Common, text: &str) {
     if !common.quiet {
-        eprintln!("{text}");
+        note(text);
     }
 }
 
 /// The same, with `-v` only.
 pub fn detail(common: &Common, text: impl FnOnce() -> String) {
     if common.verbose {
-        eprintln!("{}", text());
+        note(&text());
     }
 }
 

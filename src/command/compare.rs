@@ -1,10 +1,11 @@
 //! `tandem compare`: two controllers on the same recorded human behaviour.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use ::compare::{Comparison, LogPair, Question, Verdict, report};
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 use clap::Args;
 use replay::Mode;
 
@@ -12,7 +13,7 @@ use crate::cli::Common;
 use crate::command::replay::{HumanName, ModeName};
 use crate::controller_choice::ControllerChoice;
 use crate::status::Status;
-use crate::{arm, fleet, logs, output};
+use crate::{arm, fleet, interrupt, logs, output};
 
 /// Compare two controllers on the same recorded human behaviour.
 ///
@@ -48,15 +49,22 @@ pub struct Compare {
 impl Compare {
     pub fn run(&self, common: &Common) -> Result<Status> {
         let comparison = self.compare(common)?;
-        for error in comparison.logs.iter().filter_map(|log| log.error.as_ref()) {
-            eprintln!("error: {error}");
+        for log in &comparison.logs {
+            if let Some(error) = &log.error {
+                output::note(&format!("error: {}: {error}", log.log));
+            }
         }
         output::print(common, &comparison, report::terminal)?;
+        if interrupt::pressed() {
+            return Ok(Status::Impossible);
+        }
         Ok(match comparison.verdict {
             Verdict::Better | Verdict::Worse | Verdict::Same => Status::Done,
             // A command that processed nothing has not found anything out.
             Verdict::Failed if comparison.failed_logs() == comparison.logs.len() => {
-                Status::Impossible
+                let damaged =
+                    |log: &PathBuf| schemas::log::inspect(log).is_ok_and(|l| l.damage.is_some());
+                if self.logs.iter().any(damaged) { Status::Differs } else { Status::Impossible }
             }
             Verdict::Failed => Status::Differs,
             Verdict::Undecided => Status::Undecided,
@@ -70,6 +78,7 @@ impl Compare {
             None => Vec::new(),
             Some(folder) => report_files(folder, common.force)?,
         };
+        self.refuse_copies()?;
         let results = fleet::each(common, &self.logs, "comparing", |log| {
             let pair = arm::pair(log, (&self.a, &self.b), mode)?;
             output::detail(common, || format!("{}: compared", pair.log));
@@ -110,6 +119,23 @@ impl Compare {
             fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
         }
         Ok(comparison)
+    }
+}
+
+impl Compare {
+    /// Refuses the same recording twice: one person counted twice looks like more evidence.
+    fn refuse_copies(&self) -> Result<()> {
+        let mut seen = BTreeMap::new();
+        for log in self.logs.iter().filter(|log| log.is_file()) {
+            if let Some(other) = seen.insert(logs::hash_file(log)?, log) {
+                bail!(
+                    "{} and {} are the same recording; name it once",
+                    other.display(),
+                    log.display()
+                );
+            }
+        }
+        Ok(())
     }
 }
 

@@ -79,7 +79,7 @@ impl Info {
         Ok(match &log.damage {
             None => Status::Done,
             Some(damage) => {
-                eprintln!("error: {}: {damage}", self.log.display());
+                output::note(&format!("error: {}: {damage}", self.log.display()));
                 Status::Differs
             }
         })

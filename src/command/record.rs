@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result, anyhow, bail};
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use clap::{Args, ValueEnum};
 use controller::{Runner, Setup};
 use recorder::{Pace, RecordError, Recorded};
@@ -87,10 +87,13 @@ pub enum SensorsName {
     Sonar,
 }
 
+/// The longest session, seconds: beyond a day it is a slip of the finger that fills the disk.
+const LONGEST_S: f64 = 86_400.0;
+
 fn positive_seconds(text: &str) -> Result<f64, String> {
     match text.trim_end_matches('s').parse::<f64>() {
-        Ok(seconds) if seconds > 0.0 && seconds.is_finite() => Ok(seconds),
-        _ => Err("expected a positive number of seconds".to_owned()),
+        Ok(seconds) if seconds > 0.0 && seconds <= LONGEST_S => Ok(seconds),
+        _ => Err(format!("expected a positive number of seconds, at most {LONGEST_S} (a day)")),
     }
 }
 
@@ -135,6 +138,12 @@ impl Record {
             SensorsName::Exact => SensorSuite::Exact,
             SensorsName::Sonar => SensorSuite::Sonar,
         });
+        ensure!(
+            scenario.duration_s <= LONGEST_S,
+            "scenario {}: duration_s = {} is more than {LONGEST_S} (a day)",
+            scenario.name,
+            scenario.duration_s
+        );
         let spec = self.controller.for_scenario(&scenario)?;
         let (start, duration) = (SIMULATION_EPOCH, Span::from_seconds(scenario.duration_s));
         output::detail(common, || {

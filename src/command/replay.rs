@@ -155,7 +155,7 @@ impl Replay {
         let status = runs.iter().fold(Status::Done, |worst, run| worst.worse(run.status));
         for run in &runs {
             if let Some(error) = &run.error {
-                eprintln!("error: {error}");
+                output::note(&format!("error: {error}"));
             }
         }
         output::print(common, &Runs { runs }, |runs| text(&runs.runs))?;

@@ -125,6 +125,31 @@ fn an_output_that_is_the_input() {
 }
 
 #[test]
+fn one_recording_named_twice() {
+    let here = Workplace::new();
+    here.record("a.mcap", "--scenario case1 --duration 5");
+    fs::copy(here.path("a.mcap"), here.path("b.mcap")).unwrap();
+    let run = here.tandem("compare --a human --b tandem-kinematic a.mcap b.mcap").exits(2);
+    assert!(run.error_line().contains("same recording"), "{}", run.stderr);
+}
+
+#[test]
+fn a_failing_check_fails_whoever_reads_it() {
+    let here = Workplace::new();
+    here.record("a.mcap", "--scenario case1 --duration 5");
+    here.tandem("replay a.mcap --controller paper-kinematic -o b.mcap").succeeds();
+    // Nobody reads standard output: the pipe is closed before the program writes.
+    let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("tandem"))
+        .current_dir(here.path("."))
+        .args(["diff", "a.mcap", "b.mcap"])
+        .stdout(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    assert_eq!(child.wait().unwrap().code(), Some(1));
+}
+
+#[test]
 fn two_logs_for_one_output() {
     let here = Workplace::new();
     for folder in ["p", "q"] {

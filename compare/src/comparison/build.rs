@@ -170,6 +170,8 @@ fn over_logs(metric: &Metric, comparison: &Comparison) -> MetricChange {
             deltas.push(delta);
         }
     }
+    // Resampling must not depend on the order in which the logs were named.
+    deltas.sort_by(f64::total_cmp);
     MetricChange {
         name: metric.name.to_owned(),
         unit: metric.unit.to_owned(),

@@ -266,7 +266,8 @@ impl Meter {
             switch: Switch {
                 t_s,
                 k: step.k,
-                projected: step.projected,
+                // While the law drives, what the layer alters changes nothing about who drives.
+                projected: step.projected && step.k != 0.0,
                 reason: step.reason,
                 region: step.region,
                 distance_human_m: step.distance_human_m,

@@ -45,7 +45,7 @@ pub struct Switch {
     pub t_s: f64,
     /// The new k.
     pub k: f64,
-    /// Whether the safety layer altered the input from here on.
+    /// Whether the safety layer altered the person's input from here on; false while k = 0.
     pub projected: bool,
     /// Why, as the controller said.
     pub reason: Reason,

@@ -227,8 +227,13 @@ fn strongest(comparison: &Comparison) -> Vec<&Moment> {
     metrics.sort_by_key(|metric| !metric.decidable);
     let mut all = Vec::new();
     for metric in metrics {
-        let mut of_metric: Vec<&Moment> =
-            comparison.moments.iter().filter(|moment| moment.metric == metric.name).collect();
+        // A moment explains a change only if it points the way the change went.
+        let change = metric.delta.unwrap_or(0.0);
+        let mut of_metric: Vec<&Moment> = comparison
+            .moments
+            .iter()
+            .filter(|moment| moment.metric == metric.name && moment.delta * change > 0.0)
+            .collect();
         of_metric.sort_by(|x, y| libm::fabs(y.delta).total_cmp(&libm::fabs(x.delta)));
         all.extend(of_metric.into_iter().take(STRONGEST_PER_METRIC));
     }
