@@ -49,10 +49,12 @@ pub struct Compare {
 impl Compare {
     pub fn run(&self, common: &Common) -> Result<Status> {
         let comparison = self.compare(common)?;
-        for log in &comparison.logs {
-            if let Some(error) = &log.error {
-                output::note(&format!("error: {}: {error}", log.log));
-            }
+        let failed = comparison.logs.iter().filter_map(|log| Some((log, log.error.as_ref()?)));
+        for (log, error) in failed.clone().filter(|(_, error)| !error.contains("interrupted")) {
+            output::note(&format!("error: {}: {error}", log.log));
+        }
+        if interrupt::pressed() {
+            output::note(&format!("error: interrupted; {} logs not compared", failed.count()));
         }
         output::print(common, &comparison, report::terminal)?;
         if interrupt::pressed() {

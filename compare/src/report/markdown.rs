@@ -31,7 +31,7 @@ pub fn markdown(comparison: &Comparison) -> String {
     let mut rows = vec![METRIC_HEAD.map(str::to_owned).to_vec()];
     rows.extend(view.defined_metrics().map(MetricRow::cells));
     text.push_str(&table(&METRIC_ALIGNS, &rows));
-    text.push_str("\n▲ better, ▼ worse, ○ within chance, = no change");
+    text.push_str("\n▲ better, ▼ worse, ○ within chance (the interval and a test corrected for the number of metrics must both speak), = no change");
     let undefined = view.undefined_metrics();
     if !undefined.is_empty() {
         let _ = write!(text, ". Undefined in these logs: {}", in_cell(&undefined.join(", ")));

@@ -29,7 +29,7 @@ pub fn terminal(comparison: &Comparison) -> String {
     if !undefined.is_empty() {
         let _ = writeln!(text, "undefined in these logs: {}", undefined.join(", "));
     }
-    text.push_str("▲ better  ▼ worse  ○ within chance  = no change\n\n");
+    text.push_str("▲ better  ▼ worse  ○ within chance (the interval and a test corrected for the number of metrics must both speak)  = no change\n\n");
 
     let (in_a, in_b, new) = view.violation_counts;
     let _ = writeln!(text, "violations: {in_a} in A, {in_b} in B, {new} held against B");

@@ -128,7 +128,11 @@ impl View {
             b: comparison.b.clone(),
             facts: facts(comparison),
             metrics: comparison.metrics.iter().map(metric_row).collect(),
-            violations: violations.iter().map(violation_row).collect(),
+            // What is held against B decides the verdict: it stands first and is never cut off.
+            violations: {
+                let (held, listed): (Vec<_>, Vec<_>) = violations.iter().partition(|v| v.new);
+                held.into_iter().chain(listed).map(violation_row).collect()
+            },
             violation_counts: (of(Arm::A), of(Arm::B), violations.iter().filter(|v| v.new).count()),
             moments: strongest(comparison).into_iter().map(moment_row).collect(),
             logs: log_rows(comparison),
