@@ -1,0 +1,158 @@
+//! What reading and replaying cost, as multiples of bare decompression in the same run.
+//!
+//!     cargo bench --bench replay_cost [-- MINUTES]
+//!
+//! Records ten minutes of free driving with sonars, exact to the last bit and without viewer topics,
+//! into memory. The limit of any replay is to decompress the log's chunks, each in one shot, into a
+//! buffer that is reused. Every row is measured in every round, in turn; printed is the median over
+//! the rounds, of CPU time.
+
+use std::hint::black_box;
+use std::io::Cursor;
+
+use controller::{Runner, Session, Setup, Spec};
+use replay::{Mode, Person, Replay};
+use rustix::time::{ClockId, clock_gettime};
+use schemas::log::{LogReader, Topic, WriterOptions};
+use schemas::{FORMAT_VERSION, Header, RunInfo, SIMULATION_EPOCH, SensorSuite, Span};
+use simulator::{Simulation, SimulationSetup};
+
+const ROUNDS: usize = 7;
+
+/// A session of `minutes`, as the bytes of its log.
+fn record(minutes: f64) -> Vec<u8> {
+    let scenario = simulator::scenario("random:rect:joystick:7").unwrap();
+    let spec = Spec::resolve("tandem-kinematic", &[&scenario.controller.kinematic]).unwrap();
+    let sensors = SensorSuite::Sonar;
+    let start = SIMULATION_EPOCH;
+    let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
+    let runner = Runner::new(&setup).unwrap();
+    let human = simulator::driver(&scenario, scenario.driver, 0).unwrap();
+    let control_period = runner.control_period();
+    let simulation = SimulationSetup {
+        scenario: scenario.clone(),
+        sensors,
+        seed: 0,
+        start,
+        control_period,
+        duration: Span::from_seconds(minutes * 60.0),
+    };
+    let header = Header {
+        run: RunInfo {
+            format_version: FORMAT_VERSION,
+            controller: spec.name.clone(),
+            scenario: scenario.name.clone(),
+            sensors: "sonar".to_owned(),
+            start,
+            control_period_ns: control_period.0,
+            ..RunInfo::default()
+        },
+        params_toml: spec.params_toml(),
+        scenario,
+    };
+    let mut session = Session::new(Simulation::new(simulation, human).unwrap(), runner);
+    let options = WriterOptions { view: false, ..WriterOptions::offline() };
+    let mut log = schemas::log::LogWriter::new(Cursor::new(Vec::new()), &header, &options).unwrap();
+    while let Ok(Some(event)) = session.next_event() {
+        log.write(&event).unwrap();
+    }
+    log.finish().unwrap().0.into_inner()
+}
+
+fn cpu_ns() -> f64 {
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    time.tv_sec as f64 * 1e9 + time.tv_nsec as f64
+}
+
+/// The compressed chunks of a log, each with the size of its content.
+fn chunks(log: &[u8]) -> Vec<(&[u8], usize)> {
+    let summary = mcap::Summary::read(log).unwrap().expect("a finished log has a summary");
+    let chunk = |index: &mcap::records::ChunkIndex| {
+        let begin = usize::try_from(index.compressed_data_offset().unwrap()).unwrap();
+        let content = &log[begin..begin + index.compressed_size as usize];
+        (content, index.uncompressed_size as usize)
+    };
+    summary.chunk_indexes.iter().map(chunk).collect()
+}
+
+fn read(log: &[u8], topics: Option<&[Topic]>) -> usize {
+    let mut reader = LogReader::new(log).unwrap();
+    if let Some(topics) = topics {
+        reader = reader.only(topics);
+    }
+    let mut events = 0;
+    while let Some(event) = reader.next_event().unwrap() {
+        black_box(event);
+        events += 1;
+    }
+    events
+}
+
+fn replay(log: &[u8], spec: &Spec, mode: Mode) -> usize {
+    let open = || LogReader::new(Cursor::new(log.to_vec()));
+    let mut replay = Replay::new(open, spec, mode).unwrap();
+    let mut events = 0;
+    while let Some(event) = replay.next_event() {
+        black_box(event);
+        events += 1;
+    }
+    assert!(replay.finish().unwrap().identical_to_recorded);
+    events
+}
+
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
+
+fn main() {
+    let minutes = std::env::args().skip(1).find_map(|text| text.parse().ok()).unwrap_or(10.0);
+    let log = record(minutes);
+    let chunks = chunks(&log);
+    let spec = {
+        let header = LogReader::new(log.as_slice()).unwrap().header().clone();
+        Spec::from_recorded(&header.run.controller, &header.params_toml).unwrap()
+    };
+    let mut buffer = Vec::new();
+    let mut zstd = zstd::bulk::Decompressor::new().unwrap();
+    let mut decompress = || {
+        for (content, size) in &chunks {
+            buffer.clear();
+            buffer.reserve(*size);
+            zstd.decompress_to_buffer(content, &mut buffer).unwrap();
+            black_box(&buffer);
+        }
+        chunks.len()
+    };
+    let sensors = [Topic::Sonar, Topic::Imu, Topic::Encoders, Topic::Joystick, Topic::Exact];
+    let mut rows: Vec<(&str, Box<dyn FnMut() -> usize + '_>)> = vec![
+        ("decompression of every chunk, one shot each", Box::new(&mut decompress)),
+        ("reading sensors and joystick", Box::new(|| read(&log, Some(&sensors)))),
+        ("reading every event", Box::new(|| read(&log, None))),
+        (
+            "`mcap::MessageStream`, nothing decoded",
+            Box::new(|| mcap::MessageStream::new(&log).unwrap().map(black_box).count()),
+        ),
+        ("open-loop replay", Box::new(|| replay(&log, &spec, Mode::Open))),
+        ("closed-loop replay", Box::new(|| replay(&log, &spec, Mode::Closed(Person::Playback)))),
+    ];
+    let mut times = vec![Vec::new(); rows.len()];
+    for _ in 0..ROUNDS {
+        for ((_, work), times) in rows.iter_mut().zip(&mut times) {
+            let from_ns = cpu_ns();
+            assert!(black_box(work()) > 0);
+            times.push(cpu_ns() - from_ns);
+        }
+    }
+    let events = read(&log, None);
+    println!("{minutes} minutes, {events} events, {} KiB\n", log.len() / 1024);
+    println!(
+        "| work | × decompression | ns per event here | × real time here |\n|---|---|---|---|"
+    );
+    let limit_ns = median(&mut times[0]);
+    for ((name, _), times) in rows.iter().zip(&mut times) {
+        let ns = median(times);
+        let speed = minutes * 60e9 / ns;
+        println!("| {name} | {:.2} | {:.0} | {speed:.0} |", ns / limit_ns, ns / events as f64);
+    }
+}
