@@ -19,6 +19,9 @@ use simulator::{Simulation, SimulationSetup};
 
 const ROUNDS: usize = 7;
 
+/// What is measured; says how much it went through.
+type Work<'a> = Box<dyn FnMut() -> usize + 'a>;
+
 /// A session of `minutes`, as the bytes of its log.
 fn record(minutes: f64) -> Vec<u8> {
     let scenario = simulator::scenario("random:rect:joystick:7").unwrap();
@@ -125,7 +128,7 @@ fn main() {
         chunks.len()
     };
     let sensors = [Topic::Sonar, Topic::Imu, Topic::Encoders, Topic::Joystick, Topic::Exact];
-    let mut rows: Vec<(&str, Box<dyn FnMut() -> usize + '_>)> = vec![
+    let mut rows: Vec<(&str, Work<'_>)> = vec![
         ("decompression of every chunk, one shot each", Box::new(&mut decompress)),
         ("reading sensors and joystick", Box::new(|| read(&log, Some(&sensors)))),
         ("reading every event", Box::new(|| read(&log, None))),
