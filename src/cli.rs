@@ -68,6 +68,7 @@ pub enum Command {
     Compare(command::compare::Compare),
     /// Measure runs, or list and explain the metrics
     Metrics(command::metrics::Metrics),
+    Explain(command::explain::Explain),
     /// Replay every fixture and compare it with its golden result
     Check(command::check::Check),
     /// Accept today's results as the golden ones, and keep the reason

@@ -9,6 +9,7 @@ mod arm;
 mod cli;
 mod command;
 mod controller_choice;
+mod explain;
 mod fixture;
 mod fleet;
 mod interrupt;

@@ -24,7 +24,7 @@ mod version;
 pub mod wanted;
 
 pub use params::{Allowed, Parameter, Params, Setting};
-pub use runner::{Outcome, Runner, Setup};
+pub use runner::{Look, Outcome, Ray, Runner, Setup, Shielded};
 pub use session::Session;
 pub use spec::{Law, Spec, SpecError};
 pub use version::{Version, versions};

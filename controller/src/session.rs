@@ -49,6 +49,11 @@ impl<S: Source> Session<S> {
         }))
     }
 
+    /// The controller, as the last event left it.
+    pub fn runner(&self) -> &Runner {
+        &self.runner
+    }
+
     /// The source, for what are not events.
     pub fn source_mut(&mut self) -> &mut S {
         &mut self.source

@@ -79,6 +79,10 @@ impl<R: Read> ClosedLoop<R> {
         Some(event)
     }
 
+    pub(crate) fn runner(&self) -> &Runner {
+        self.session.runner()
+    }
+
     pub(crate) fn finish(self) -> Result<Outcome, ReplayError> {
         self.tally.finish()
     }

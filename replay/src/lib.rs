@@ -26,7 +26,7 @@ pub use outcome::{Deviation, Outcome};
 
 use std::io::Read;
 
-use controller::Spec;
+use controller::{Runner, Spec};
 use schemas::log::LogReader;
 use schemas::{Event, Stamped};
 
@@ -82,6 +82,14 @@ impl<R: Read + 'static> Replay<R> {
         match &mut self.0 {
             Kind::Open(replay) => replay.next_event(),
             Kind::Closed(replay) => replay.next_event(),
+        }
+    }
+
+    /// The controller, as the last event left it: what it saw can be asked of it.
+    pub fn runner(&self) -> &Runner {
+        match &self.0 {
+            Kind::Open(replay) => replay.runner(),
+            Kind::Closed(replay) => replay.runner(),
         }
     }
 

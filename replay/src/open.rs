@@ -104,6 +104,10 @@ impl<R: Read> OpenLoop<R> {
         }
     }
 
+    pub(crate) fn runner(&self) -> &Runner {
+        self.session.runner()
+    }
+
     pub(crate) fn finish(self) -> Result<Outcome, ReplayError> {
         self.tally.finish()
     }

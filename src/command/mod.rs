@@ -5,6 +5,7 @@ pub mod check;
 pub mod compare;
 pub mod demo;
 pub mod diff;
+pub mod explain;
 pub mod info;
 pub mod list;
 pub mod metrics;
@@ -26,6 +27,7 @@ pub fn run(cli: &Cli) -> Result<Status> {
         Command::Diff(command) => command.run(common),
         Command::Compare(command) => command.run(common),
         Command::Metrics(command) => command.run(common),
+        Command::Explain(command) => command.run(common),
         Command::Check(command) => command.run(common),
         Command::Approve(command) => command.run(common),
         Command::Info(command) => command.run(common),

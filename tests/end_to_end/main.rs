@@ -3,6 +3,7 @@
 mod bad_input;
 mod comparison;
 mod exact_replay;
+mod explain;
 mod fixtures;
 mod help;
 mod interruption;

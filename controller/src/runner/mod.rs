@@ -7,6 +7,7 @@
 mod decision;
 mod feedback;
 mod hashing;
+mod look;
 mod memory;
 mod prediction;
 mod request;
@@ -14,12 +15,15 @@ mod senses;
 mod setup;
 mod sharing;
 
-use schemas::{Command, JoystickSample, Reason, Sample, SensorSuite, Span, Step, Time, Twist};
+use schemas::{
+    Command, JoystickSample, Pose, Reason, Sample, SensorSuite, Span, Step, Time, Twist,
+};
 
 use crate::digest::Digest;
 use crate::estimation::Estimate;
 use crate::spec::{Law, SpecError};
 use decision::Facts;
+pub use look::{Look, Ray, Shielded};
 use memory::Memory;
 use prediction::predict;
 use request::{Request, stale};
@@ -42,6 +46,8 @@ pub struct Runner {
     senses: Senses,
     joystick: Option<JoystickSample>,
     memory: Memory,
+    /// Where the last step measured from; for explanations, never read by a step.
+    looked_from: Option<Pose>,
     /// What was observed since the previous step.
     heard: Digest,
     index: u64,
@@ -59,6 +65,7 @@ impl Runner {
             setup: setup.clone(),
             joystick: None,
             memory: Memory::default(),
+            looked_from: None,
             heard: Digest::default(),
             index: 0,
         })
@@ -111,6 +118,7 @@ impl Runner {
         let delay_s = self.setup.scenario.plant.actuator_delay_s;
         let pose = predict(&pose, self.memory.commanded, delay_s);
         self.senses.advance(now, t_s, &pose);
+        self.looked_from = Some(pose);
         let blocked = self.blocked(&estimate, odometry_age_s, t_s);
         let facts = Facts { request: &request, pose: &pose, speeds, t_s, blocked };
         self.decide(&facts, &mut step);

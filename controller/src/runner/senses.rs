@@ -10,7 +10,7 @@ use schemas::{ExactPose, Pose, Sample, Scenario, SensorSuite, Time, World};
 use crate::digest::Digest;
 use crate::estimation::{Estimate, Odometry};
 use crate::params::Params;
-use crate::perception::echo_map::{EchoMap, EchoMapSettings};
+use crate::perception::echo_map::{EchoMap, EchoMapSettings, LimitingEcho};
 
 /// One sensor suite's view.
 #[derive(Clone, Debug)]
@@ -105,6 +105,22 @@ impl Senses {
         match self {
             Senses::Exact(exact) => exact.ray_m(from, angle_rad),
             Senses::Sonar(sonar) => sonar.map.safety_ray_m(from, angle_rad),
+        }
+    }
+
+    /// The echo that ends [`Senses::law_ray_m`], where one does.
+    pub(super) fn law_limit(&self, from: &Pose, angle_rad: f64) -> Option<LimitingEcho> {
+        match self {
+            Senses::Exact(_) => None,
+            Senses::Sonar(sonar) => sonar.map.law_limit(&sonar.odometry, from, angle_rad),
+        }
+    }
+
+    /// The echo that ends [`Senses::safety_ray_m`], where one does.
+    pub(super) fn safety_limit(&self, from: &Pose, angle_rad: f64) -> Option<LimitingEcho> {
+        match self {
+            Senses::Exact(_) => None,
+            Senses::Sonar(sonar) => sonar.map.safety_limit(&sonar.odometry, from, angle_rad),
         }
     }
 

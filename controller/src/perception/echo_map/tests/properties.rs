@@ -66,6 +66,30 @@ proptest! {
         prop_assert!(rig.map.law_points().len() <= 240 && rig.map.safety_points().len() <= 240);
     }
 
+    /// The echo that is named is the one that ends the ray, bit for bit; where the ray ends nowhere, or
+    /// nothing is known, none is named.
+    #[test]
+    fn the_echo_that_is_named_ends_the_ray(
+        happenings in prop::collection::vec(any_happening(), 0..300),
+        angle_rad in -10.0..10.0,
+    ) {
+        let mut rig = Rig::with(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.3, lease_s: 0.5 });
+        live(&mut rig, &happenings);
+        let from = rig.pose();
+        let Rig { map, odometry, .. } = &rig;
+        let finite = |ray_m: f64| Some(ray_m).filter(|ray_m| ray_m.is_finite());
+        let law = map.law_limit(odometry, &from, angle_rad);
+        prop_assert_eq!(law.map(|echo| echo.free_m), finite(map.law_ray_m(&from, angle_rad)));
+        prop_assert!(law.is_none_or(|echo| echo.confirmed));
+        let safety = map.safety_limit(odometry, &from, angle_rad);
+        if map.known(angle_rad - from.theta_rad) {
+            let safety_m = map.safety_ray_m(&from, angle_rad);
+            prop_assert_eq!(safety.map(|echo| echo.free_m), finite(safety_m));
+        } else {
+            prop_assert!(law.is_none() && safety.is_none());
+        }
+    }
+
     /// Whatever came before, an echo heard now blocks the way to each point of its arc, for the safety
     /// layer at once and for the law once it is heard again.
     #[test]

@@ -1,0 +1,92 @@
+//! Which remembered echo ends a ray: for explanations, never for decisions.
+
+use schemas::{Pose, Time};
+
+use super::beam::unit;
+use super::gaps::Gaps;
+use super::points::Point;
+use super::ray::Ray;
+use super::scan::{Scan, sight};
+use super::{EchoMap, Odometry};
+
+/// The echo that a ray ends at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LimitingEcho {
+    /// Free travel up to it, metres: what the ray itself says, bit for bit.
+    pub free_m: f64,
+    /// When its sonar fired. Two sonars fire at once; with the range this tells which one.
+    pub fired: Time,
+    /// The range it was heard at, metres; 0 in contact.
+    pub range_m: f64,
+    /// Where on the echo's arc the ray meets it, metres, world frame, as remembered.
+    pub at_m: [f64; 2],
+    /// How much nearer than that it counts, metres, for its uncertainty.
+    pub nearer_by_m: f64,
+    /// Whether another firing heard it too.
+    pub confirmed: bool,
+    /// Whether it stands for a blind gap beside the cone that heard it.
+    pub in_gap: bool,
+}
+
+impl EchoMap {
+    /// The echo that ends [`EchoMap::law_ray_m`]; `None` where nothing is met or nothing is known.
+    /// To be asked after [`EchoMap::advance`] with the same odometry, from the pose given there.
+    pub fn law_limit(
+        &self,
+        odometry: &Odometry,
+        from: &Pose,
+        angle_rad: f64,
+    ) -> Option<LimitingEcho> {
+        self.limit(&self.law, |point| point.confirmed, odometry, from, angle_rad)
+    }
+
+    /// The echo that ends [`EchoMap::safety_ray_m`], likewise.
+    pub fn safety_limit(
+        &self,
+        odometry: &Odometry,
+        from: &Pose,
+        angle_rad: f64,
+    ) -> Option<LimitingEcho> {
+        self.limit(&self.safety, |_| true, odometry, from, angle_rad)
+    }
+
+    fn limit(
+        &self,
+        scan: &Scan,
+        counts: impl Fn(&Point) -> bool,
+        odometry: &Odometry,
+        from: &Pose,
+        angle_rad: f64,
+    ) -> Option<LimitingEcho> {
+        let now = self.advanced_to.filter(|_| self.knows(from, angle_rad))?;
+        let from_m = from.position_m();
+        let ray = Ray { from_m, along: unit(angle_rad), radius_m: self.settings.inflation_m };
+        let mut nearest: Option<LimitingEcho> = None;
+        let mut offer = |point: &Point, in_gap: bool| {
+            let nearer_by_m = self.uncertainty_m(point, now, odometry.odometer_m());
+            let Some(sighting) = sight(from_m, point.at_m, nearer_by_m) else { return };
+            // Of several points in one direction the scan shows the nearest alone.
+            if !counts(point) || !(in_gap || scan.points_m().contains(&sighting.at_m)) {
+                return;
+            }
+            let free_m = ray.free_m(&[sighting.at_m]);
+            if free_m < nearest.map_or(f64::INFINITY, |echo| echo.free_m) {
+                let Point { at_m, range_m, fired, confirmed, .. } = *point;
+                nearest = Some(LimitingEcho {
+                    free_m,
+                    fired,
+                    range_m,
+                    at_m,
+                    nearer_by_m,
+                    confirmed,
+                    in_gap,
+                });
+            }
+        };
+        self.points.iter().for_each(|point| offer(point, false));
+        if Gaps::hold(angle_rad - from.theta_rad) {
+            self.gaps.points(now, self.settings.lease_s).for_each(|point| offer(point, true));
+        }
+        nearest
+    }
+}

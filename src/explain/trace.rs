@@ -1,0 +1,116 @@
+//! The controller stepped over the log again, up to the step in question, and asked what it saw.
+
+use std::f64::consts::FRAC_PI_2;
+use std::path::Path;
+
+use anyhow::{Context as _, Result, bail};
+use controller::safety::{Limits, clip};
+use controller::sharing::Sets;
+use controller::travel::DMode;
+use controller::{Law, Look, Ray, Shielded, Spec};
+use replay::{Mode, Replay};
+use schemas::{Event, Plant, Pose, ReferenceSource, Scenario, Step, Value};
+
+use super::moment::Moment;
+use crate::{interrupt, logs};
+
+/// What the controller saw.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// Where all rays start: the pose at which the command takes effect.
+    pub from: Pose,
+    /// The rays of the law: along ψ, to its left, to its right.
+    pub law: [Ray; 3],
+    /// The ray that D comes from, for the requested velocity.
+    pub requested: Ray,
+    /// The same for the present velocity, where the sets are asked about that too.
+    pub present: Option<Ray>,
+    /// What the safety layer leaves of the input that (14) chose.
+    pub chosen: Option<Shielded>,
+    /// What it would leave of the person's input.
+    pub human: Option<Shielded>,
+}
+
+/// The recorded controller and, where it can be had, what it saw; otherwise why not.
+pub struct Traced {
+    pub spec: Result<Spec, String>,
+    pub trace: Result<Trace, String>,
+}
+
+/// Steps the recorded controller over the log.
+pub fn trace(log: &Path, moment: &Moment) -> Traced {
+    let run = &moment.header.run;
+    match Spec::from_recorded(&run.controller, &moment.header.params_toml) {
+        Err(error) => {
+            let why = format!("the recorded controller is not part of this build: {error}");
+            Traced { spec: Err(why.clone()), trace: Err(why) }
+        }
+        Ok(spec) => {
+            let trace = again(log, moment, &spec).map_err(|error| format!("{error:#}"));
+            Traced { spec: Ok(spec), trace }
+        }
+    }
+}
+
+fn again(log: &Path, moment: &Moment, spec: &Spec) -> Result<Trace> {
+    let mut replay = Replay::new(|| logs::open_raw(log), spec, Mode::Open)?;
+    while let Some(event) = replay.next_event() {
+        interrupt::check()?;
+        let Event::Step(step) = event.value else { continue };
+        if step.stamp < moment.step.stamp {
+            continue;
+        }
+        if let Some(field) = first_difference(&step, &moment.step) {
+            bail!("this build does not make the recorded step again: `{field}` differs");
+        }
+        let look = replay.runner().look().context("the controller has not looked")?;
+        return Ok(Trace::new(&look, &step, spec, &moment.header.scenario));
+    }
+    bail!("the replay ends before the step")
+}
+
+/// The first field in the order of the data flow that differs; NaN equals NaN.
+fn first_difference(a: &Step, b: &Step) -> Option<&'static str> {
+    let same = |a: &Value, b: &Value| a == b || format!("{a:?}") == format!("{b:?}");
+    let (a, b) = (a.values(), b.values());
+    let differs = Step::FIELDS.iter().zip(a.iter().zip(&b)).find(|(_, (a, b))| !same(a, b));
+    differs.map(|(field, _)| field.name)
+}
+
+impl Trace {
+    /// What is seen from `look` in the step that was just made.
+    pub fn new(look: &Look<'_>, step: &Step, spec: &Spec, scenario: &Scenario) -> Trace {
+        let params = &spec.params;
+        let mode = mode(spec, scenario);
+        let ray = |[v_mps, omega_radps]: [f64; 2]| {
+            // The printed sets do not look behind.
+            let v_mps = if params.sets == Sets::Printed { 0.0 } else { v_mps };
+            look.travel_ray(step, mode, [v_mps, omega_radps])
+        };
+        let both = spec.law == Law::Dynamic && params.sets == Sets::Total;
+        Trace {
+            from: *look.from(),
+            law: [0.0, FRAC_PI_2, -FRAC_PI_2].map(|turn| look.law_ray(step.psi_rad + turn)),
+            requested: ray(requested(step, &scenario.plant)),
+            present: both.then(|| ray([step.v_mps, step.omega_radps])),
+            chosen: look.shielded(step, step.u_s_before_projection),
+            human: look.shielded(step, step.u_h),
+        }
+    }
+}
+
+/// Along which directions D is measured.
+pub fn mode(spec: &Spec, scenario: &Scenario) -> DMode {
+    let params = &spec.params;
+    if scenario.task.is_some() { params.d_mode_task } else { params.d_mode_free }
+}
+
+/// The velocities that the sets are asked about: those requested, within the limits; zero where
+/// nothing usable is requested.
+pub fn requested(step: &Step, plant: &Plant) -> [f64; 2] {
+    if step.reference_source == ReferenceSource::Hold {
+        [0.0; 2]
+    } else {
+        clip([step.v_h_mps, step.omega_h_radps], &Limits::of_velocity(plant))
+    }
+}
