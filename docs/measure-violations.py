@@ -61,21 +61,30 @@ def mean(values: list[float]) -> float:
 
 def main() -> None:
     rooms = int(sys.argv[1]) if len(sys.argv) > 1 else 300
-    print("| version, sensors | `rect` | `slant` | `disc` | human share | time stuck % | chatter 1/min |")
-    print("|---|---|---|---|---|---|---|")
+    print("| version, sensors | `rect` | `slant` | `disc` | human share | override | time stuck % | unwarranted % | missed % | switches 1/min |")
+    print("|---|---|---|---|---|---|---|---|---|---|")
     with ThreadPoolExecutor(2) as pool:
         for controller, sensors in ROWS:
             pairs = [(kind, driver) for kind in KINDS for driver in DRIVERS]
             cells = dict(zip(pairs, pool.map(lambda p: cell(controller, sensors, *p, rooms), pairs)))
             left = {p: 100 * mean([m["invariance_breaches"] > 0 for m in cells[p]]) for p in pairs}
 
-            def over_kinds(name: str, driver: str) -> float:
-                return mean([m[name] for kind in KINDS for m in cells[kind, driver]])
+            def shown_mean(name: str, factor: float, digits: int) -> str:
+                """Over all kinds of rooms, for each driver; runs without a value are left out."""
+                means = []
+                for driver in DRIVERS:
+                    values = [m[name] for kind in KINDS for m in cells[kind, driver]]
+                    values = [value for value in values if value is not None]
+                    means.append(f"{factor * mean(values):.{digits}f}" if values else "–")
+                return " / ".join(means)
 
             shown = [" / ".join(f"{left[kind, driver]:.1f}" for driver in DRIVERS) for kind in KINDS]
-            shown.append(" / ".join(f"{over_kinds('human_share', d):.2f}" for d in DRIVERS))
-            shown.append(" / ".join(f"{100 * over_kinds('deadlock_s', d) / DURATION_S:.1f}" for d in DRIVERS))
-            shown.append(" / ".join(f"{over_kinds('chatter_per_min', d):.0f}" for d in DRIVERS))
+            shown.append(shown_mean("human_share", 1, 2))
+            shown.append(shown_mean("disagreement", 1, 2))
+            shown.append(shown_mean("deadlock_s", 100 / DURATION_S, 1))
+            shown.append(shown_mean("unwarranted", 100, 1))
+            shown.append(shown_mean("missed", 100, 1))
+            shown.append(shown_mean("switches_per_min", 1, 0))
             suite = "exact rays" if sensors == "exact" else "sonars"
             print(f"| `{controller}`, {suite} | " + " | ".join(shown) + " |", flush=True)
 

@@ -32,6 +32,6 @@ pub use diff::{
 };
 pub use error::CompareError;
 pub use metrics::{
-    Basis, Better, CATALOGUE, Group, Measured, Meter, Metric, Profile, RunMetrics, Switch, Track,
-    TrackPoint, Violation, ViolationKind, metric,
+    Basis, Better, CATALOGUE, Group, Measured, Meter, Metric, MetricSummary, Profile, RunMetrics,
+    Switch, Track, TrackPoint, Violation, ViolationKind, metric, summarize,
 };

@@ -86,12 +86,22 @@ proptest! {
             let Some(value) = *value else { continue };
             prop_assert!(value.is_finite(), "{}: {value}", row.name);
             let least = match row.name {
-                // Overlap is a negative clearance; k is whatever the step says, here down to −3.
-                "min_clearance_m" | "human_share" => f64::NEG_INFINITY,
-                // Driving away from the goal.
-                "path_efficiency" => -1.0 - 1e-9,
+                // Overlap is a negative clearance; k is whatever the step says, here down to −3; a
+                // stamp may lie before the start.
+                "min_clearance_m" | "stop_margin_m" | "human_share" | "sparc"
+                | "invariance_first_s" => f64::NEG_INFINITY,
+                // Driving away from the goal, or against the request.
+                "path_efficiency" | "cosine" => -1.0 - 1e-9,
                 _ => 0.0,
             };
+            let most = match row.name {
+                "path_efficiency" | "cosine" => 1.0 + 1e-9,
+                "unwarranted" | "missed" | "goal_reached" => 1.0,
+                "min_ttc_s" => 3.0,
+                "sparc" => 0.0,
+                _ => f64::INFINITY,
+            };
+            prop_assert!(value <= most, "{}: {value}", row.name);
             prop_assert!(value >= least, "{}: {value}", row.name);
         }
         for violation in &measured.violations {

@@ -5,24 +5,36 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use clap::Args;
-use compare::{Better, CATALOGUE, Measured, Meter, report};
+use compare::{Better, CATALOGUE, Group, Measured, Meter, MetricSummary, report, summarize};
 use serde::Serialize;
 
-use crate::cli::{Common, Format};
+use crate::cli::Common;
 use crate::status::Status;
 use crate::{fleet, interrupt, logs, output};
 
+/// Up to this many runs are shown side by side unless told otherwise.
+const SIDE_BY_SIDE: usize = 4;
+
 /// Measure runs; without a run, list and explain the metrics.
+///
+/// A few runs are shown side by side; of many, each metric's mean, range and worst run.
 #[derive(Args)]
 pub struct Metrics {
     /// The runs: recorded or replayed logs
-    #[arg(value_name = "RUN")]
+    #[arg(value_name = "RUN", conflicts_with = "list")]
     runs: Vec<PathBuf>,
+    /// A column for each run, however many there are
+    #[arg(long)]
+    each: bool,
+    /// List and explain the metrics: name, unit, which way is better, formula, source
+    #[arg(long)]
+    list: bool,
 }
 
 #[derive(Serialize)]
 struct Runs {
     runs: Vec<MeasuredRun>,
+    summary: Vec<MetricSummary>,
 }
 
 #[derive(Serialize)]
@@ -43,6 +55,8 @@ struct Row {
     name: &'static str,
     unit: &'static str,
     better: Better,
+    group: Group,
+    primary: bool,
     formula: &'static str,
     source: &'static str,
 }
@@ -56,6 +70,8 @@ impl Metrics {
                     name: metric.name,
                     unit: metric.unit,
                     better: metric.better,
+                    group: metric.group,
+                    primary: metric.primary,
                     formula: metric.formula,
                     source: metric.source,
                 })
@@ -69,24 +85,27 @@ impl Metrics {
             status = status.worse(Status::of_error(error));
             output::error(error);
         }
-        if common.format == Format::Human {
-            let measured: Vec<(String, Measured)> = self
-                .runs
-                .iter()
-                .zip(results)
-                .filter_map(|(run, result)| Some((run.display().to_string(), result.ok()?)))
-                .collect();
-            output::print(common, &(), |()| report::metrics_text(&measured))?;
-        } else {
-            let runs =
-                self.runs.iter().zip(results).map(|(run, result)| row(run, result)).collect();
-            output::print(common, &Runs { runs }, |_| String::new())?;
-        }
+        let rows: Vec<MeasuredRun> =
+            self.runs.iter().zip(&results).map(|(run, result)| row(run, result)).collect();
+        let measured: Vec<(String, Measured)> = self
+            .runs
+            .iter()
+            .zip(results)
+            .filter_map(|(run, result)| Some((run.display().to_string(), result.ok()?)))
+            .collect();
+        let runs = Runs { runs: rows, summary: summarize(&measured) };
+        output::print(common, &runs, |_| {
+            if self.each || measured.len() <= SIDE_BY_SIDE {
+                report::metrics_text(&measured)
+            } else {
+                report::summary_text(&measured)
+            }
+        })?;
         Ok(status)
     }
 }
 
-fn row(run: &Path, result: Result<Measured>) -> MeasuredRun {
+fn row(run: &Path, result: &Result<Measured>) -> MeasuredRun {
     let run = run.display().to_string();
     match result {
         Err(error) => {

@@ -177,6 +177,7 @@ fn over_logs(metric: &Metric, comparison: &Comparison) -> MetricChange {
         unit: metric.unit.to_owned(),
         better: metric.better,
         group: metric.group,
+        primary: metric.primary,
         a: mean(&a),
         b: mean(&b),
         delta: mean(&deltas),

@@ -140,6 +140,8 @@ pub struct MetricChange {
     pub better: Better,
     /// What it is about.
     pub group: Group,
+    /// Whether the verdict may rest on it.
+    pub primary: bool,
     /// Mean in A, over the logs in which both arms have a value.
     pub a: Option<f64>,
     /// Mean in B, over the same logs.
@@ -160,7 +162,7 @@ pub struct MetricChange {
     /// not measured.
     pub floor: Option<f64>,
     /// Whether the change is beyond chance: the interval excludes 0, the p-value adjusted by Holm
-    /// over the metrics of the group is at most 0.05, and the floor is exceeded.
+    /// over the group's primary metrics, or over its others, is at most 0.05, and the floor is exceeded.
     pub decidable: bool,
     /// What the gate says.
     pub gate: Gate,

@@ -6,16 +6,16 @@
 //!    disc on a log on which A did nothing of the kind. (A disc that runs over a robot which does
 //!    not move towards it is listed and held against nobody.)
 //! 2. **same**: in no log does anything differ that the controllers say or command, and no metric.
-//! 3. **better**, **worse**: safety metrics changed beyond chance, all in one direction. If none
-//!    did, the authority metrics decide likewise. What got worse in the other group is named.
+//! 3. **better**, **worse**: primary safety metrics changed beyond chance, all in one direction. If none
+//!    did, the primary authority metrics decide likewise. What got worse in the other group is named.
 //! 4. **undecided**: otherwise; also when metrics of the deciding group contradict each other.
 //!
 //! *Beyond chance* means that the 95 % interval excludes 0 *and* that the p-value of the paired
-//! randomisation test, adjusted by Holm over the metrics of the group, is at most 0.05. The second
+//! randomisation test, adjusted by Holm over the group's primary metrics, is at most 0.05. The second
 //! condition keeps a handful of logs from deciding anything: with n logs p is 2/2ⁿ at least.
 
 use super::result::{Comparison, LogStatus, MetricChange, Verdict};
-use crate::metrics::Group;
+use crate::metrics::{Group, metric};
 use crate::report::{number, seconds, signed, with_unit};
 use crate::statistics::holm;
 
@@ -24,10 +24,12 @@ const ALPHA: f64 = 0.05;
 
 /// Marks the metrics whose change is beyond chance.
 pub(super) fn mark_decidable(metrics: &mut [MetricChange]) {
-    for group in [Group::Safety, Group::Authority, Group::Task] {
+    for (group, primary) in Group::ALL.into_iter().flat_map(|group| [(group, true), (group, false)])
+    {
         let mut members: Vec<&mut MetricChange> = metrics
             .iter_mut()
-            .filter(|metric| metric.group == group && metric.p.is_some())
+            .filter(|metric| metric.group == group && metric.primary == primary)
+            .filter(|metric| metric.p.is_some() && group.is_repeatable())
             .collect();
         let p: Vec<f64> = members.iter().map(|metric| metric.p.unwrap_or(1.0)).collect();
         for (metric, adjusted) in members.iter_mut().zip(holm(&p)) {
@@ -49,8 +51,9 @@ pub(super) fn verdict(comparison: &Comparison, all_same: bool) -> (Verdict, Stri
     let unchanged = comparison
         .logs
         .iter()
-        .flat_map(|log| log.metrics.values())
-        .all(|change| change.a == change.b);
+        .flat_map(|log| &log.metrics)
+        .filter(|(name, _)| metric(name).is_some_and(|metric| metric.group.is_repeatable()))
+        .all(|(_, change)| change.a == change.b);
     if all_same && unchanged {
         return (Verdict::Same, format!("A and B do exactly the same in {logs}"));
     }
@@ -109,9 +112,13 @@ fn failure(comparison: &Comparison) -> Option<String> {
 
 /// The metrics of a group that changed beyond chance: for the better, for the worse.
 fn changed(comparison: &Comparison, group: Group) -> (Vec<&MetricChange>, Vec<&MetricChange>) {
-    comparison.metrics.iter().filter(|metric| metric.group == group && metric.decidable).partition(
-        |metric| metric.delta.is_some_and(|delta| metric.better.improvement(delta) > 0.0),
-    )
+    comparison
+        .metrics
+        .iter()
+        .filter(|metric| metric.group == group && metric.primary && metric.decidable)
+        .partition(|metric| {
+            metric.delta.is_some_and(|delta| metric.better.improvement(delta) > 0.0)
+        })
 }
 
 /// What the other groups say against the verdict.
@@ -135,7 +142,8 @@ fn no_call(comparison: &Comparison, logs: &str) -> String {
     let changes_somewhere = |metric: &&MetricChange| {
         let mut deltas =
             comparison.logs.iter().filter_map(|log| log.metrics.get(&metric.name)?.delta);
-        metric.group != Group::Task && deltas.any(|delta| delta != 0.0)
+        let decides = matches!(metric.group, Group::Safety | Group::Authority);
+        metric.primary && decides && deltas.any(|delta| delta != 0.0)
     };
     let nearest = comparison
         .metrics

@@ -1,6 +1,8 @@
 //! How one metric grows over a run.
 
-use super::sample::{Decision, Motion};
+use schemas::Timing;
+
+use super::sample::{Decision, Motion, Request};
 
 /// One metric, fed with a run from its start to its end.
 pub(super) trait Accumulate {
@@ -13,6 +15,16 @@ pub(super) trait Accumulate {
     /// The controller decided that.
     fn decision(&mut self, decision: &Decision) {
         let _ = decision;
+    }
+
+    /// The person asked for that.
+    fn request(&mut self, request: &Request) {
+        let _ = request;
+    }
+
+    /// A step took that long.
+    fn timing(&mut self, timing: &Timing) {
+        let _ = timing;
     }
 
     /// The metric so far; `None` where it has no meaning for this run.

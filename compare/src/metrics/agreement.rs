@@ -1,8 +1,10 @@
-//! How far the command is from the request: `override_m`, `override_rad`, `disagreement`.
+//! How far the command is from the request: `override_m`, `override_rad`,
+//! `disagreement`, `cosine`.
 //!
 //! Velocities on both sides, for kinematic and dynamic laws alike.
 
 use super::accumulate::{Accumulate, Mean};
+use super::authority::ASKS_ABOVE;
 use super::sample::{Decision, Limits, deviation};
 
 /// `override_m` = ∫ |`v_s` − `v_h`| dt, or `override_rad` = ∫ |`ω_s` − `ω_h`| dt.
@@ -62,6 +64,40 @@ impl Accumulate for Disagreement {
         if !size.is_nan() {
             self.mean.add(size, decision.hold_s);
         }
+    }
+
+    fn value(&self) -> Option<f64> {
+        self.mean.value()
+    }
+}
+
+/// `cosine` = time mean of ⟨S `u_s`, S `u_h`⟩/(‖S `u_s`‖ ‖S `u_h`‖) where ‖S `u_h`‖ > δ; a robot that
+/// is told to stand neither follows nor opposes, which counts as 0.
+#[derive(Debug)]
+pub(super) struct Cosine {
+    limits: Limits,
+    mean: Mean,
+}
+
+impl Cosine {
+    pub(super) fn new(limits: Limits) -> Self {
+        Cosine { limits, mean: Mean::default() }
+    }
+}
+
+impl Accumulate for Cosine {
+    fn decision(&mut self, decision: &Decision) {
+        let (asked, done) =
+            (self.limits.scaled(decision.requested), self.limits.scaled(decision.executed));
+        // Also false where one of them is not known.
+        if !(asked > ASKS_ABOVE && done >= 0.0) {
+            return;
+        }
+        let [v_h, omega_h] = self.limits.shares(decision.requested);
+        let [v_s, omega_s] = self.limits.shares(decision.executed);
+        let cosine =
+            if done > 0.0 { (v_s * v_h + omega_s * omega_h) / (asked * done) } else { 0.0 };
+        self.mean.add(cosine, decision.hold_s);
     }
 
     fn value(&self) -> Option<f64> {

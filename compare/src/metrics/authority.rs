@@ -1,27 +1,32 @@
-//! Who drives: `human_share`, `interventions_per_min`, `chatter_per_min`, `deadlock_s`.
+//! Who drives: `human_share`, `switches_per_min`, `chatter_per_min`, `deadlock_s`.
 
 use super::accumulate::{Accumulate, Mean};
-use super::sample::{Decision, Limits, deviation};
+use super::sample::{Decision, Limits, Setting, deviation};
 
 /// ε: a deviation from the request counts as an intervention above this share of full speed. Our
 /// choice: twice what a tremor of the hand makes, well below what a person feels.
-pub(super) const INTERVENES_ABOVE: f64 = 0.05;
-
-/// Interventions less than this apart are one, seconds.
-pub(super) const MERGED_WITHIN_S: f64 = 0.3;
+const INTERVENES_ABOVE: f64 = 0.05;
 
 /// Two opposite switches of k this near to each other are chatter, seconds.
-pub(super) const CHATTER_WITHIN_S: f64 = 0.5;
+const CHATTER_WITHIN_S: f64 = 0.5;
 
 /// δ: the person asks for motion above this share of full speed. Our choice.
 pub(super) const ASKS_ABOVE: f64 = 0.05;
 
 /// The robot stands below this share of full speed (1.4 cm/s, 0.04 rad/s for the defaults).
 /// Our choice.
-pub(super) const MOVES_ABOVE: f64 = 0.02;
+const MOVES_ABOVE: f64 = 0.02;
 
 /// Times that were added one by one compare with a limit up to their rounding, seconds.
 const ROUNDING_S: f64 = 1e-9;
+
+/// Whether the controller intervenes: ‖S(`u_s` − `u_h`)‖ > ε, and the person's input did not go to
+/// the actuators as it was (a dynamic law takes time to reach a requested speed also when nobody
+/// interferes). `None` where the request or the command is not known.
+pub(super) fn intervenes(limits: Limits, decision: &Decision) -> Option<bool> {
+    let size = limits.scaled(deviation(decision));
+    (!size.is_nan()).then_some(size > INTERVENES_ABOVE && !decision.passed)
+}
 
 /// `human_share` = Σ k Δt / Σ Δt over the steps: the mean of k.
 #[derive(Debug, Default)]
@@ -47,55 +52,44 @@ impl Accumulate for HumanShare {
 
 /// A count per minute of the time in which it could have happened.
 #[derive(Clone, Copy, Debug, Default)]
-struct Rate {
-    count: u32,
-    watched_s: f64,
+pub(super) struct Rate {
+    pub(super) count: u32,
+    pub(super) watched_s: f64,
 }
 
 impl Rate {
-    fn per_min(self) -> Option<f64> {
+    pub(super) fn per_min(self) -> Option<f64> {
         (self.watched_s > 0.0).then(|| f64::from(self.count) * 60.0 / self.watched_s)
     }
 
-    fn count(self) -> Option<f64> {
+    pub(super) fn count(self) -> Option<f64> {
         self.per_min().map(|_| f64::from(self.count))
     }
 }
 
-/// `interventions_per_min` = rising edges of ‖S(`u_s` − `u_h`)‖ > ε, those within 0.3 s of the end
-/// of the one before taken as the same.
+/// `switches_per_min` = changes of k, either way, per minute.
 #[derive(Debug)]
-pub(super) struct Interventions {
-    limits: Limits,
+pub(super) struct Switches {
     rate: Rate,
-    active: bool,
-    ended_s: f64,
+    k: f64,
 }
 
-impl Interventions {
-    pub(super) fn new(limits: Limits) -> Self {
-        Interventions { limits, rate: Rate::default(), active: false, ended_s: f64::NEG_INFINITY }
+impl Switches {
+    pub(super) fn new() -> Self {
+        Switches { rate: Rate::default(), k: f64::NAN }
     }
 }
 
-impl Accumulate for Interventions {
+impl Accumulate for Switches {
     fn decision(&mut self, decision: &Decision) {
-        let size = self.limits.scaled(deviation(decision));
-        if size.is_nan() {
+        if !decision.k.is_finite() {
             return;
         }
         self.rate.watched_s += decision.hold_s;
-        let intervenes = size > INTERVENES_ABOVE;
-        if intervenes && !self.active {
-            let apart_s = decision.t_s - self.ended_s;
-            if apart_s >= MERGED_WITHIN_S - ROUNDING_S {
-                self.rate.count += 1;
-            }
+        if self.k.is_finite() && decision.k != self.k {
+            self.rate.count += 1;
         }
-        if self.active && !intervenes {
-            self.ended_s = decision.t_s;
-        }
-        self.active = intervenes;
+        self.k = decision.k;
     }
 
     fn value(&self) -> Option<f64> {
@@ -145,17 +139,28 @@ impl Accumulate for Chatter {
     }
 }
 
-/// `deadlock_s` = ∫ 1{‖S `u_h`‖ > δ and the robot does not move} dt.
+/// `deadlock_s` = ∫ 1{‖S `u_h`‖ > δ and the robot does not move} dt, where that has been asked for
+/// longer than the actuators' delay: a robot that was at rest when the person began to ask has not
+/// yet had the time to move.
 #[derive(Debug)]
 pub(super) struct Deadlock {
     limits: Limits,
+    delay_s: f64,
+    /// For how long the person has been asking for motion before the present step, seconds.
+    asked_for_s: f64,
     stuck_s: f64,
     known: bool,
 }
 
 impl Deadlock {
-    pub(super) fn new(limits: Limits) -> Self {
-        Deadlock { limits, stuck_s: 0.0, known: false }
+    pub(super) fn new(setting: &Setting) -> Self {
+        Deadlock {
+            limits: setting.limits,
+            delay_s: setting.plant.actuator_delay_s,
+            asked_for_s: 0.0,
+            stuck_s: 0.0,
+            known: false,
+        }
     }
 }
 
@@ -164,12 +169,18 @@ impl Accumulate for Deadlock {
         let asked = self.limits.scaled(decision.requested);
         let moved = self.limits.scaled(decision.actual);
         if asked.is_nan() || moved.is_nan() {
+            self.asked_for_s = 0.0;
             return;
         }
         self.known = true;
-        if asked > ASKS_ABOVE && moved <= MOVES_ABOVE {
+        if asked <= ASKS_ABOVE {
+            self.asked_for_s = 0.0;
+            return;
+        }
+        if moved <= MOVES_ABOVE && self.asked_for_s > self.delay_s + ROUNDING_S {
             self.stuck_s += decision.hold_s;
         }
+        self.asked_for_s += decision.hold_s;
     }
 
     fn value(&self) -> Option<f64> {

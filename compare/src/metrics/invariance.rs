@@ -1,4 +1,5 @@
-//! Forward invariance: `invariance_breaches`, and the list of violations behind it.
+//! Forward invariance: `invariance_breaches`, `invariance_first_s`, `invariance_worst_m`,
+//! `barrier_breaches`, and the list of violations behind them.
 //!
 //! A monitor that knows nothing of the controller: it sees where the body was and nothing else.
 
@@ -198,5 +199,88 @@ impl Accumulate for Breaches {
 
     fn value(&self) -> Option<f64> {
         self.known.then_some(f64::from(self.count))
+    }
+}
+
+/// `invariance_first_s` = when the static admissible set was first left; undefined if never.
+#[derive(Debug, Default)]
+pub(super) struct FirstBreach {
+    at_s: Option<f64>,
+}
+
+impl Accumulate for FirstBreach {
+    fn motion(&mut self, motion: &Motion) {
+        if self.at_s.is_none() && left(motion.clearance_static_m) {
+            self.at_s = Some(motion.t_s);
+        }
+    }
+
+    fn value(&self) -> Option<f64> {
+        self.at_s
+    }
+}
+
+/// `invariance_worst_m` = how deep the body overlapped a wall or an obstacle at most, 0 if never.
+#[derive(Debug, Default)]
+pub(super) struct WorstBreach {
+    deepest_m: f64,
+    known: bool,
+}
+
+impl Accumulate for WorstBreach {
+    fn motion(&mut self, motion: &Motion) {
+        self.known |= !motion.clearance_static_m.is_nan();
+        if left(motion.clearance_static_m) {
+            self.deepest_m = self.deepest_m.max(-motion.clearance_static_m);
+        }
+    }
+
+    fn value(&self) -> Option<f64> {
+        self.known.then_some(self.deepest_m)
+    }
+}
+
+/// γ of the discrete barrier condition, for 0.1 s: at most half of the clearance may be used up in one
+/// of the paper's control periods. Our choice.
+const BARRIER_GAMMA: f64 = 0.5;
+const BARRIER_PERIOD_S: f64 = 0.1;
+
+/// `barrier_breaches` = number of maximal intervals with h(x₊) < (1 − γ)h(x), h the clearance from
+/// what stands still and γ = 0.5 per 0.1 s, for another spacing of samples by the same rate
+/// (Agrawal and Sreenath, "Discrete control barrier functions for safety-critical control of
+/// discrete systems", RSS 2017).
+#[derive(Debug, Default)]
+pub(super) struct Barrier {
+    before: Option<(f64, f64)>,
+    breached: Edge,
+    count: u32,
+    known: bool,
+}
+
+impl Accumulate for Barrier {
+    fn motion(&mut self, motion: &Motion) {
+        let h = motion.clearance_static_m;
+        if h.is_nan() {
+            self.before = None;
+            return;
+        }
+        if let Some((t_s, before)) = self.before.replace((motion.t_s, h)) {
+            let periods = (motion.t_s - t_s) / BARRIER_PERIOD_S;
+            if periods > 0.0 {
+                self.known = true;
+                let least = before * libm::pow(1.0 - BARRIER_GAMMA, periods);
+                // Outside the condition asks for the way back; `invariance_breaches` counts that.
+                let breached = before > 0.0 && h < least;
+                self.count += u32::from(self.breached.rises(Some(breached)));
+            }
+        }
+    }
+
+    fn value(&self) -> Option<f64> {
+        self.known.then_some(f64::from(self.count))
+    }
+
+    fn total(&self) -> Option<f64> {
+        self.value()
     }
 }

@@ -1,13 +1,20 @@
 //! The one pass over a run that feeds every metric.
 
-use schemas::{Command, Event, Header, Stamped, Step, Time, Truth, Twist};
+use schemas::{
+    Command, Event, Header, JoystickSample, Sample, Stamped, Step, Time, Timing, Truth, Twist,
+};
 use serde::{Deserialize, Serialize};
 
 use super::accumulate::Accumulate;
-use super::catalogue::CATALOGUE;
+use super::catalogue::{CATALOGUE, Feed};
 use super::invariance::{Monitor, Violation};
+use super::judge::{Judge, State};
 use super::profile::Profile;
-use super::sample::{DECISION_HOLD_LIMIT_PERIODS, Decision, MOTION_HOLD_LIMIT_S, Motion, Setting};
+use super::sample::{
+    DECISION_HOLD_LIMIT_PERIODS, Decision, LawState, MOTION_HOLD_LIMIT_S, Motion, Request, Setting,
+    TTC_HORIZON_S,
+};
+use super::sweep::{Course, Surroundings};
 use super::track::{Switch, Track, TrackPoint};
 use crate::CompareError;
 
@@ -68,6 +75,8 @@ pub struct Meter {
     setting: Setting,
     accumulators: Vec<Box<dyn Accumulate>>,
     monitor: Monitor,
+    surroundings: Surroundings,
+    judge: Judge,
     profile: Profile,
     track: Track,
     basis: Basis,
@@ -102,10 +111,13 @@ impl Meter {
     /// A meter for the run with that header.
     pub fn new(header: &Header) -> Meter {
         let setting = Setting::new(&header.scenario);
+        let surroundings = Surroundings::new(setting.world.clone(), setting.footprint);
         Meter {
             start: header.run.start,
             accumulators: accumulators(&setting),
             monitor: Monitor::new(setting.footprint),
+            judge: Judge::new(surroundings.clone(), &setting.plant),
+            surroundings,
             setting,
             profile: Profile::new(),
             track: Track::new(),
@@ -127,7 +139,9 @@ impl Meter {
             Event::Truth(truth) => self.truth(truth),
             Event::Step(step) => self.step(step),
             Event::Command(command) => self.command(command),
-            Event::Sample(_) | Event::Gap(_) | Event::Timing(_) => {}
+            Event::Sample(Sample::Joystick(joystick)) => self.joystick(joystick),
+            Event::Timing(timing) => self.timing(timing),
+            Event::Sample(_) | Event::Gap(_) => {}
         }
     }
 
@@ -167,6 +181,30 @@ impl Meter {
         })
     }
 
+    fn joystick(&mut self, joystick: &JoystickSample) {
+        let asked = Twist { v_mps: joystick.v_mps, omega_radps: joystick.omega_radps };
+        let t_s = joystick.stamp.seconds_since(self.start);
+        let request = Request { t_s, twist: self.setting.limits.clipped(asked) };
+        self.feed(Feed::Request, t_s, |metric| metric.request(&request));
+    }
+
+    fn timing(&mut self, timing: &Timing) {
+        let t_s = timing.stamp.seconds_since(self.start);
+        self.feed(Feed::Timing, t_s, |metric| metric.timing(timing));
+    }
+
+    /// Hands something to the metrics that are fed with it.
+    fn feed(&mut self, feed: Feed, t_s: f64, mut give: impl FnMut(&mut dyn Accumulate)) {
+        for (i, metric) in self.accumulators.iter_mut().enumerate() {
+            if CATALOGUE[i].feed == feed {
+                give(metric.as_mut());
+                if let Some(total) = metric.total() {
+                    self.profile.note(i, t_s, total);
+                }
+            }
+        }
+    }
+
     fn truth(&mut self, truth: &Truth) {
         if self.basis == Basis::Estimate {
             self.start_again_from_truth();
@@ -179,6 +217,7 @@ impl Meter {
             clearance_m: truth.clearance_m,
             clearance_static_m: truth.clearance_static_m,
             discs: truth.discs.clone(),
+            ttc_s: f64::NAN,
         }));
     }
 
@@ -189,7 +228,7 @@ impl Meter {
         self.monitor = Monitor::new(self.setting.footprint);
         let fresh = accumulators(&self.setting);
         for (i, fresh) in fresh.into_iter().enumerate() {
-            if CATALOGUE[i].from_motion {
+            if CATALOGUE[i].feed == Feed::Motion {
                 self.accumulators[i] = fresh;
                 self.profile.forget(i);
             }
@@ -221,6 +260,7 @@ impl Meter {
             && pending.stamp == command.stamp
         {
             pending.decision.executed = command.twist;
+            pending.decision.accelerates = command.accel.is_some();
             pending.point.v_s_mps = command.twist.v_mps;
             pending.point.omega_s_radps = command.twist.omega_radps;
         }
@@ -248,6 +288,11 @@ impl Meter {
                 requested,
                 executed: unknown,
                 actual,
+                passed: step.u_s == step.u_h,
+                accelerates: false,
+                pose,
+                judgement: None,
+                law: LawState::of(step),
             },
             point: TrackPoint {
                 t_s,
@@ -286,6 +331,7 @@ impl Meter {
             clearance_m: f64::NAN,
             clearance_static_m: f64::NAN,
             discs: Vec::new(),
+            ttc_s: f64::NAN,
         };
         if self.setting.has_world() && step.pose.is_finite() {
             let (world, footprint) = (&self.setting.world, &self.setting.footprint);
@@ -302,14 +348,23 @@ impl Meter {
         if let Some(mut motion) = std::mem::replace(&mut self.motion, next) {
             let until_s = until_s.unwrap_or(motion.t_s);
             motion.hold_s = (until_s - motion.t_s).clamp(0.0, MOTION_HOLD_LIMIT_S);
-            for (i, metric) in self.accumulators.iter_mut().enumerate() {
-                if CATALOGUE[i].from_motion {
-                    metric.motion(&motion);
-                    note(&mut self.profile, i, motion.t_s, metric.as_ref());
-                }
-            }
+            motion.ttc_s = self.time_to_collision_s(&motion);
+            self.feed(Feed::Motion, motion.t_s, |metric| metric.motion(&motion));
             self.monitor.motion(&motion);
         }
+    }
+
+    /// How long the robot could go on like that, at most [`TTC_HORIZON_S`]; NaN where that is not
+    /// known.
+    fn time_to_collision_s(&self, motion: &Motion) -> f64 {
+        let Twist { v_mps, omega_radps } = motion.twist;
+        let known = v_mps.is_finite() && omega_radps.is_finite() && motion.pose.is_finite();
+        if !known || motion.clearance_m.is_nan() || self.surroundings.is_empty() {
+            return f64::NAN;
+        }
+        let course = Course::constant(motion.twist, TTC_HORIZON_S);
+        let contact_s = self.surroundings.first_contact_s(&motion.pose, motion.t_s, &course);
+        contact_s.unwrap_or(TTC_HORIZON_S)
     }
 
     /// Hands the decision that was held back to the metrics; the next step came `hold_s` later.
@@ -323,12 +378,15 @@ impl Meter {
         let decision = &mut pending.decision;
         decision.hold_s = hold_s.min(limit_s);
         self.duration_s += decision.hold_s;
-        for (i, metric) in self.accumulators.iter_mut().enumerate() {
-            if !CATALOGUE[i].from_motion {
-                metric.decision(decision);
-                note(&mut self.profile, i, decision.t_s, metric.as_ref());
-            }
-        }
+        let state = State {
+            t_s: decision.t_s,
+            pose: decision.pose,
+            twist: decision.actual,
+            accelerates: decision.accelerates,
+        };
+        decision.judgement = self.judge.judge(&state, decision.requested);
+        let decision = &pending.decision;
+        self.feed(Feed::Decision, decision.t_s, |metric| metric.decision(decision));
         self.track.point(pending.point);
         if pending.switch.k.is_finite() {
             self.track.switch(pending.switch);
@@ -338,10 +396,4 @@ impl Meter {
 
 fn accumulators(setting: &Setting) -> Vec<Box<dyn Accumulate>> {
     CATALOGUE.iter().map(|metric| (metric.make)(setting)).collect()
-}
-
-fn note(profile: &mut Profile, i: usize, t_s: f64, metric: &dyn Accumulate) {
-    if let Some(total) = metric.total() {
-        profile.note(i, t_s, total);
-    }
 }

@@ -1,10 +1,15 @@
 //! What the metrics see of a run: how the robot moved, and what the controller decided.
 
-use schemas::{Disc, Footprint, Plant, Pose, Scenario, Task, Twist, World};
+use schemas::{Disc, Footprint, Plant, Pose, Scenario, Step, Task, Twist, World};
+
+use super::judge::Judgement;
 
 /// The longest that one motion sample stands for what follows it, seconds: the age at which a
 /// distance counts as unknown (specification §10). A hole in the record is not filled any further.
 pub(super) const MOTION_HOLD_LIMIT_S: f64 = 0.5;
+
+/// How far ahead a collision is looked for, seconds.
+pub(super) const TTC_HORIZON_S: f64 = 3.0;
 
 /// How many control periods a decision stands at most. After twice the period real actuators time
 /// out by themselves (specification §10; the simulated ones hold the last command).
@@ -24,6 +29,9 @@ pub(super) struct Motion {
     /// The same from what does not move.
     pub(super) clearance_static_m: f64,
     pub(super) discs: Vec<Disc>,
+    /// Time to collision at these speeds, seconds, [`TTC_HORIZON_S`] where nothing is hit until
+    /// then; NaN where nothing tells.
+    pub(super) ttc_s: f64,
 }
 
 /// What the person asked for, what the controller did, until the next step.
@@ -41,6 +49,53 @@ pub(super) struct Decision {
     pub(super) executed: Twist,
     /// How the robot really moved at that moment.
     pub(super) actual: Twist,
+    /// Whether the person's input went to the actuators bit for bit.
+    pub(super) passed: bool,
+    /// Whether the law commands accelerations.
+    pub(super) accelerates: bool,
+    /// Where the robot really was.
+    pub(super) pose: Pose,
+    /// Whether the request was safe; `None` where that cannot be told.
+    pub(super) judgement: Option<Judgement>,
+    /// What the law said of itself.
+    pub(super) law: LawState,
+}
+
+/// What of a step tells whether the theorem covers it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LawState {
+    pub(super) lyapunov: f64,
+    pub(super) branch: schemas::LawBranch,
+    pub(super) reference: schemas::ReferenceSource,
+    /// Whether anything but the law itself shaped the input.
+    pub(super) altered: bool,
+    pub(super) psi_rad: f64,
+    pub(super) target_velocity_mps: [f64; 2],
+    /// Ahead, left, right.
+    pub(super) distances_m: [f64; 3],
+}
+
+impl LawState {
+    pub(super) fn of(step: &Step) -> LawState {
+        LawState {
+            lyapunov: step.lyapunov,
+            branch: step.law_branch,
+            reference: step.reference_source,
+            altered: step.saturated || step.projected,
+            psi_rad: step.psi_rad,
+            target_velocity_mps: [step.target_vx_mps, step.target_vy_mps],
+            distances_m: [step.d1_m, step.d2l_m, step.d2r_m],
+        }
+    }
+}
+
+/// What the joystick said, at its own rate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Request {
+    /// Seconds from the start of the run.
+    pub(super) t_s: f64,
+    /// Clipped to the plant's limits; NaN where it said nothing that is a number.
+    pub(super) twist: Twist,
 }
 
 /// The plant's top speeds.
@@ -63,6 +118,30 @@ impl Limits {
         libm::hypot(twist.v_mps / self.v_max_mps, twist.omega_radps / self.omega_max_radps)
     }
 
+    /// The input that lies `by`, in shares of full speed, away from another.
+    pub(super) fn moved(self, twist: Twist, by: [f64; 2]) -> Twist {
+        Twist {
+            v_mps: twist.v_mps + by[0] * self.v_max_mps,
+            omega_radps: twist.omega_radps + by[1] * self.omega_max_radps,
+        }
+    }
+
+    /// Whether the plant can do that.
+    pub(super) fn allow(self, twist: Twist) -> bool {
+        libm::fabs(twist.v_mps) <= self.v_max_mps
+            && libm::fabs(twist.omega_radps) <= self.omega_max_radps
+    }
+
+    /// S u as a pair: shares of full speed and full turn rate.
+    pub(super) fn shares(self, twist: Twist) -> [f64; 2] {
+        [twist.v_mps / self.v_max_mps, twist.omega_radps / self.omega_max_radps]
+    }
+
+    /// Top speed, m/s.
+    pub(super) fn v_max_mps(self) -> f64 {
+        self.v_max_mps
+    }
+
     /// What of a request the plant can do at all; NaN stays NaN.
     pub(super) fn clipped(self, twist: Twist) -> Twist {
         let within = |x: f64, limit: f64| if limit > 0.0 { x.clamp(-limit, limit) } else { x };
@@ -78,6 +157,7 @@ impl Limits {
 pub(super) struct Setting {
     pub(super) footprint: Footprint,
     pub(super) limits: Limits,
+    pub(super) plant: Plant,
     pub(super) task: Option<Task>,
     /// Where the task ends, where the body fits there.
     pub(super) goal_m: Option<[f64; 2]>,
@@ -89,6 +169,7 @@ impl Setting {
         let mut setting = Setting {
             footprint: scenario.robot.footprint,
             limits: Limits::new(&scenario.plant),
+            plant: scenario.plant,
             task: scenario.task,
             goal_m: None,
             world: scenario.world.clone(),

@@ -1,4 +1,5 @@
-//! How well the task was done: `tracking_rms_m`, `goal_reached`, `goal_time_s`, `path_efficiency`.
+//! How well the task was done: `tracking_rms_m`, `heading_rms_rad`, `goal_reached`, `goal_time_s`,
+//! `path_efficiency`.
 //!
 //! Without a task none of them has a meaning. The goal metrics also have none where the body cannot
 //! stand at the task's end point: nobody can be late for a place that is not there.
@@ -47,6 +48,36 @@ impl Accumulate for Tracking {
         let off_m = cross_track_m(task, motion.pose.position_m());
         if off_m.is_finite() {
             self.square.add(off_m * off_m, motion.hold_s);
+        }
+    }
+
+    fn value(&self) -> Option<f64> {
+        self.square.value().map(libm::sqrt)
+    }
+}
+
+/// `heading_rms_rad` = RMS over time of the angle between the heading and the path of the target.
+#[derive(Debug)]
+pub(super) struct Heading {
+    along_rad: Option<f64>,
+    square: Mean,
+}
+
+impl Heading {
+    pub(super) fn new(setting: &Setting) -> Self {
+        // A target at rest has no direction.
+        let velocity = setting.task.map(|task| task.velocity_mps).filter(|v| *v != [0.0; 2]);
+        let along_rad = velocity.map(|[vx, vy]| libm::atan2(vy, vx));
+        Heading { along_rad, square: Mean::default() }
+    }
+}
+
+impl Accumulate for Heading {
+    fn motion(&mut self, motion: &Motion) {
+        let Some(along_rad) = self.along_rad else { return };
+        let off_rad = libm::remainder(motion.pose.theta_rad - along_rad, core::f64::consts::TAU);
+        if off_rad.is_finite() {
+            self.square.add(off_rad * off_rad, motion.hold_s);
         }
     }
 

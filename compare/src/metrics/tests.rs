@@ -2,6 +2,9 @@
 //!
 //! Steps and motions come every 0.1 s unless a test says otherwise; limits are 0.7 m/s, 2 rad/s.
 
+mod ride;
+mod warrant;
+
 use schemas::{Disc, Pose};
 
 use super::{Basis, CATALOGUE, Meter, ViolationKind, metric};
@@ -24,9 +27,14 @@ fn names_are_unique_and_carry_their_unit() {
             "m" => "_m",
             "s" => "_s",
             "m/s" => "_mps",
+            "m/s²" => "_mps2",
+            "m/s³" => "_mps3",
             "rad" => "_rad",
+            "rad/s³" => "_radps3",
             "1/min" => "_per_min",
-            _ => "",
+            "µs" => "_us",
+            "" => "",
+            other => panic!("{}: no suffix for {other}", row.name),
         };
         assert!(row.name.ends_with(suffix), "{}", row.name);
     }
@@ -104,6 +112,34 @@ fn every_leaving_of_the_static_admissible_set_is_counted_and_listed() {
     // Rounding is not leaving.
     assert!(Run::clearances(&[-1e-12]).measured().violations.is_empty());
     assert_eq!(Run::clearances(&[f64::NAN]).metric("invariance_breaches"), None);
+}
+
+#[test]
+fn the_first_and_the_worst_leaving_are_told() {
+    let run = Run::clearances(&[0.1, -0.01, -0.03, 0.0, -0.02]);
+    close(run.metric("invariance_first_s"), 0.1);
+    close(run.metric("invariance_worst_m"), 0.03);
+    let never = Run::clearances(&[0.1, 0.0]);
+    assert_eq!(never.metric("invariance_first_s"), None);
+    close(never.metric("invariance_worst_m"), 0.0);
+    assert_eq!(Run::clearances(&[f64::NAN]).metric("invariance_worst_m"), None);
+}
+
+#[test]
+fn the_barrier_condition_allows_half_of_the_clearance_in_a_tenth_of_a_second() {
+    // 0.4 → 0.2 is allowed, → 0.09 is not, → 0.04 neither (the same interval), → 0.03 is; then
+    // outside, where the way back is not asked for; then 0.2 → 0.05 is another breach.
+    let run = Run::clearances(&[0.4, 0.2, 0.09, 0.04, 0.03, -0.1, -0.2, 0.2, 0.05]);
+    // 0.03 → −0.1 is a breach of its own.
+    close(run.metric("barrier_breaches"), 3.0);
+    // Twice as far apart: a quarter must be left.
+    let mut slow = Run::new();
+    for (t_s, h) in [(0.0, 0.4), (0.2, 0.1), (0.4, 0.024)] {
+        slow.truth(t_s, |truth| truth.clearance_static_m = h);
+    }
+    slow.step(0.0, |_| {});
+    close(slow.metric("barrier_breaches"), 1.0);
+    assert_eq!(Run::clearances(&[0.4]).metric("barrier_breaches"), None);
 }
 
 /// A disc of 0.2 m radius touches the front edge of a body of 0.5 m at the origin when its centre
@@ -219,6 +255,65 @@ fn interventions_are_rising_edges_merged_over_short_pauses() {
 }
 
 #[test]
+fn durations_of_interventions_are_those_of_the_merged_ones() {
+    let (on, off) = ((0.0, [0.4, 0.0]), (1.0, [0.5, 0.0]));
+    // 0.1..0.5 (a pause of 0.2 s bridged), then 0.9..1.0, then 1.3..1.6.
+    let run = Run::decisions(&[
+        off, on, off, off, on, off, off, off, off, on, off, off, off, on, on, on, off,
+    ]);
+    close(run.metric("intervention_p50_s"), 0.3);
+    close(run.metric("intervention_p95_s"), 0.4);
+    assert_eq!(Run::decisions(&[off]).metric("intervention_p50_s"), None);
+    // One that lasts to the end has the length that it reached.
+    close(Run::decisions(&[off, on, on]).metric("intervention_p95_s"), 0.2);
+}
+
+#[test]
+fn the_persons_own_input_is_no_intervention() {
+    // A dynamic law takes time to reach the requested speed, whoever drives.
+    let mut run = Run::new();
+    for (i, u_s) in [[2.0, 0.0], [1.5, 0.0]].into_iter().enumerate() {
+        let t_s = i as f64 * 0.1;
+        run.step(t_s, |step| {
+            step.u_h = [2.0, 0.0];
+            step.u_s = u_s;
+        });
+        run.command(t_s, 0.1, 0.0);
+    }
+    // Only the second is altered: one intervention in 0.2 s.
+    close(run.metric("interventions_per_min"), 300.0);
+    close(run.metric("intervention_p50_s"), 0.1);
+    // The speeds are apart in both.
+    close(run.metric("override_m"), 0.08);
+}
+
+#[test]
+fn every_change_of_k_is_a_switch() {
+    let human = [0.5, 0.0];
+    let run = Run::decisions(&[1.0, 0.0, 0.0, f64::NAN, 1.0, 1.0, 0.0].map(|k| (k, human)));
+    // Three in the 0.6 s in which k is known.
+    close(run.metric("switches_per_min"), 300.0);
+    close(Run::decisions(&[(0.0, human)]).metric("switches_per_min"), 0.0);
+}
+
+#[test]
+fn the_cosine_compares_directions() {
+    // Same way; stopped; opposite; at an angle: (.35, 1) against (.5, 0) is, in shares of full
+    // speed, (.5, .5) against (.714, 0): cos 45°. Nobody asks in the last step.
+    let mut run = Run::decisions(&[
+        (0.0, [0.1, 0.0]),
+        (0.0, [0.0, 0.0]),
+        (0.0, [-0.2, 0.0]),
+        (0.0, [0.35, 1.0]),
+    ]);
+    run.step(0.4, |step| step.v_h_mps = 0.01).command(0.4, 0.5, 0.0);
+    close(run.metric("cosine"), (1.0 + 0.0 - 1.0 + 0.5f64.sqrt()) / 4.0);
+    let mut idle = Run::new();
+    idle.step(0.0, |step| step.v_h_mps = 0.0).command(0.0, 0.5, 0.0);
+    assert_eq!(idle.metric("cosine"), None);
+}
+
+#[test]
 fn chatter_counts_switches_that_undo_the_one_before() {
     let human = [0.5, 0.0];
     let ks = |ks: &[f64]| {
@@ -232,35 +327,55 @@ fn chatter_counts_switches_that_undo_the_one_before() {
     close(ks(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]), 0.0);
 }
 
-#[test]
-fn deadlock_is_asking_for_motion_and_getting_none() {
+/// (requested v, actual v, actual ω), every 0.1 s.
+fn asked(steps: &[(f64, f64, f64)]) -> Run {
     let mut run = Run::new();
-    // (requested v, actual v, actual ω): stuck; creeping at 0.014/.7 = 0.02 is still stuck; turning
-    // at 0.1/2 = 0.05 moves; nobody asks (0.03/.7 = 0.043); moves.
-    for (i, (v_h, v, omega)) in [
-        (0.5, 0.0, 0.0),
-        (-0.5, 0.013_999, 0.0),
-        (0.5, 0.0, 0.1),
-        (0.03, 0.0, 0.0),
-        (0.5, 0.5, 0.0),
-    ]
-    .into_iter()
-    .enumerate()
-    {
+    for (i, (v_h, v, omega)) in steps.iter().copied().enumerate() {
         run.step(i as f64 * 0.1, |step| {
             step.v_h_mps = v_h;
             step.v_mps = v;
             step.omega_radps = omega;
         });
     }
-    close(run.metric("deadlock_s"), 0.2);
+    run
+}
+
+#[test]
+fn deadlock_is_asking_for_motion_and_getting_none() {
+    // Has not had the time to move; stuck; creeping at 0.014/.7 = 0.02 is still stuck; turning at
+    // 0.1/2 = 0.05 moves; nobody asks (0.03/.7 = 0.043); asks anew; stuck; moves.
+    let run = asked(&[
+        (0.5, 0.0, 0.0),
+        (0.5, 0.0, 0.0),
+        (-0.5, 0.013_999, 0.0),
+        (0.5, 0.0, 0.1),
+        (0.03, 0.0, 0.0),
+        (0.5, 0.0, 0.0),
+        (0.5, 0.0, 0.0),
+        (0.5, 0.5, 0.0),
+    ]);
+    close(run.metric("deadlock_s"), 0.3);
     assert_eq!(Run::new().step(0.0, |s| s.v_h_mps = f64::NAN).metric("deadlock_s"), None);
+}
+
+#[test]
+fn a_robot_that_has_only_just_been_asked_is_not_stuck() {
+    close(asked(&[(0.5, 0.0, 0.0)]).metric("deadlock_s"), 0.0);
+    // Actuators that take 0.1 s answer one step later.
+    let stuck = [(0.5, 0.0, 0.0); 4];
+    close(asked(&stuck).metric("deadlock_s"), 0.3);
+    let mut scenario = scenario();
+    scenario.plant.actuator_delay_s = 0.1;
+    let mut run = Run::of(scenario);
+    run.events = asked(&stuck).events;
+    close(run.metric("deadlock_s"), 0.2);
 }
 
 #[test]
 fn deadlock_believes_the_truth_and_not_the_estimate() {
     let mut run = Run::new();
-    run.truth(0.0, |truth| truth.v_mps = 0.0).step(0.0, |step| step.v_mps = 0.5);
+    run.truth(0.0, |truth| truth.v_mps = 0.0);
+    run.step(0.0, |step| step.v_mps = 0.5).step(0.1, |step| step.v_mps = 0.5);
     close(run.metric("deadlock_s"), 0.1);
 }
 
@@ -404,7 +519,14 @@ fn contributions_add_up_to_the_metric() {
     let (on, off) = ((0.0, [0.4, 0.3]), (1.0, [0.5, 0.0]));
     let pattern: Vec<_> = (0..300).map(|i| if i % 7 < 3 { on } else { off }).collect();
     let measured = Run::decisions(&pattern).measured();
-    for name in ["human_share", "override_m", "override_rad", "interventions_per_min"] {
+    for name in [
+        "human_share",
+        "override_m",
+        "override_rad",
+        "interventions_per_min",
+        "switches_per_min",
+        "unwarranted",
+    ] {
         let i = CATALOGUE.iter().position(|row| row.name == name).expect("in the catalogue");
         for bin_s in [0.25, 1.0] {
             let sum: f64 = measured.profile.contributions(i, bin_s).iter().sum();

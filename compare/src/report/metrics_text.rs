@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::number::number;
 use super::table::{Align, columns};
-use crate::metrics::{Basis, CATALOGUE, Measured, Metric};
+use crate::metrics::{Basis, CATALOGUE, Measured, Metric, summarize};
 
 /// Runs side by side: a row for each metric, a column for each run.
 pub fn metrics_text(runs: &[(String, Measured)]) -> String {
@@ -31,6 +31,31 @@ pub fn metrics_text(runs: &[(String, Measured)]) -> String {
     columns(&aligns, &rows)
 }
 
+/// Many runs at a glance: a row for each metric that any of them has.
+pub fn summary_text(runs: &[(String, Measured)]) -> String {
+    use Align::{Left, Right};
+    let head = ["metric", "unit", "better", "n", "mean", "min", "max", "worst in"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    for row in summarize(runs).into_iter().filter(|row| row.n > 0) {
+        rows.push(vec![
+            row.name,
+            row.unit,
+            row.better.name().to_owned(),
+            row.n.to_string(),
+            number(row.mean),
+            number(row.min),
+            number(row.max),
+            row.worst.unwrap_or_default(),
+        ]);
+    }
+    let from_truth = runs.iter().filter(|(_, run)| run.metrics.basis == Basis::Truth).count();
+    format!(
+        "{} runs, motion from the truth in {from_truth}; a column for each with --each\n\n{}",
+        runs.len(),
+        columns(&[Left, Left, Left, Right, Right, Right, Right, Left], &rows)
+    )
+}
+
 /// Every metric with its unit, direction, formula and source.
 pub fn catalogue_text() -> String {
     let mut text = String::new();
@@ -38,8 +63,9 @@ pub fn catalogue_text() -> String {
         let unit = if metric.unit.is_empty() { "no unit" } else { metric.unit };
         let Metric { name, formula, source, .. } = metric;
         let (better, group) = (metric.better.name(), metric.group.name());
+        let primary = if metric.primary { "; verdicts rest on it" } else { "" };
         // Writing to a String cannot fail.
-        let _ = writeln!(text, "{name} ({unit}, {better} is better, {group})");
+        let _ = writeln!(text, "{name} ({unit}, {better} is better, {group}{primary})");
         let _ = writeln!(text, "    {formula}\n    from {source}");
     }
     text

@@ -23,7 +23,7 @@ pub use diff_text::diff_text;
 pub use html::html;
 pub use json::json;
 pub use markdown::markdown;
-pub use metrics_text::{catalogue_text, metrics_text};
+pub use metrics_text::{catalogue_text, metrics_text, summary_text};
 pub(crate) use number::seconds;
 pub use number::{number, signed, with_unit};
 pub use terminal::terminal;

@@ -1,0 +1,161 @@
+//! How smooth the speed is: `sparc`.
+
+use super::accumulate::{Accumulate, Mean};
+use super::sample::Motion;
+
+/// Speeds are averaged over this long, seconds: their spectrum then reaches 10 Hz.
+const SAMPLE_S: f64 = 0.05;
+
+/// Samples of a window: ten seconds. The measure is one of single movements.
+const WINDOW: usize = 200;
+
+/// A shorter rest of a run counts from this many samples on: five seconds.
+const SHORTEST: usize = 100;
+
+/// Step of the spectrum, hertz; small against the width of a window's main lobe.
+const STEP_HZ: f64 = 0.01;
+
+/// Highest frequency, hertz, and the share of the spectrum's start below which the rest is left out
+/// (Balasubramanian and others, 2015).
+const HIGHEST_HZ: f64 = 10.0;
+const LEAST_SHARE: f64 = 0.05;
+
+/// `sparc` = mean over windows of ten seconds of the spectral arc length of |v|,
+/// −∫₀^ωc √((1/ωc)² + (dV̂/dω)²) dω with V̂ the spectrum divided by its start and ωc the frequency
+/// beyond which V̂ stays below 0.05, at most 10 Hz. Nearer to 0 is smoother (Balasubramanian,
+/// Melendez-Calderon, Roby-Brami and Burdet, "On the analysis of movement smoothness", Journal of
+/// `NeuroEngineering` and Rehabilitation 12, 2015).
+#[derive(Debug, Default)]
+pub(super) struct Sparc {
+    /// ∫|v| dt and the time of the sample that is being filled.
+    filling: Mean,
+    window: Vec<f64>,
+    windows: Mean,
+}
+
+impl Sparc {
+    fn sample(&mut self, speed_mps: f64) {
+        self.window.push(speed_mps);
+        if self.window.len() == WINDOW {
+            if let Some(arc) = arc_length(&self.window) {
+                self.windows.add(arc, 1.0);
+            }
+            self.window.clear();
+        }
+    }
+}
+
+impl Accumulate for Sparc {
+    fn motion(&mut self, motion: &Motion) {
+        let speed_mps = libm::fabs(motion.twist.v_mps);
+        if !speed_mps.is_finite() {
+            return;
+        }
+        let mut left_s = motion.hold_s;
+        while left_s > 0.0 {
+            let room_s = SAMPLE_S - self.filling.weight;
+            let part_s = left_s.min(room_s);
+            self.filling.add(speed_mps, part_s);
+            left_s -= part_s;
+            if self.filling.weight >= SAMPLE_S - 1e-9 {
+                let sample = self.filling.value().unwrap_or(0.0);
+                self.filling = Mean::default();
+                self.sample(sample);
+            }
+        }
+    }
+
+    fn value(&self) -> Option<f64> {
+        let mut windows = self.windows;
+        if self.window.len() >= SHORTEST
+            && let Some(arc) = arc_length(&self.window)
+        {
+            windows.add(arc, self.window.len() as f64 / WINDOW as f64);
+        }
+        windows.value()
+    }
+}
+
+/// The spectral arc length of equally spaced speeds; `None` for a robot at rest.
+fn arc_length(speeds_mps: &[f64]) -> Option<f64> {
+    let start: f64 = speeds_mps.iter().sum();
+    // A robot that creeps through less than a millimetre does not move smoothly or otherwise.
+    if start * SAMPLE_S < 1e-3 {
+        return None;
+    }
+    let count = libm::round(HIGHEST_HZ / STEP_HZ) as u32;
+    let spectrum: Vec<f64> =
+        (0..=count).map(|i| magnitude(speeds_mps, f64::from(i) * STEP_HZ) / start).collect();
+    let cut = spectrum.iter().rposition(|share| *share >= LEAST_SHARE)?.max(1);
+    let across = 1.0 / cut as f64;
+    let arc: f64 =
+        spectrum[..=cut].windows(2).map(|pair| libm::hypot(across, pair[1] - pair[0])).sum();
+    Some(-arc)
+}
+
+/// |Σ x exp(−iωt)| at one frequency; the exponential by repeated multiplication.
+fn magnitude(speeds_mps: &[f64], frequency_hz: f64) -> f64 {
+    let (sin, cos) = libm::sincos(core::f64::consts::TAU * frequency_hz * SAMPLE_S);
+    let (mut re, mut im) = (0.0, 0.0);
+    let (mut c, mut s) = (1.0, 0.0);
+    for x in speeds_mps {
+        re += x * c;
+        im += x * s;
+        (c, s) = (c * cos - s * sin, s * cos + c * sin);
+    }
+    libm::hypot(re, im)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A bell-shaped speed has the spectrum exp(−ω²σ²/2) whatever its height and width, as long as
+    /// it fits: with x = ω/ωc, exp(−x² ln 20), the arc is ∫₀¹ √(1 + (2 ln 20 x exp(−x² ln 20))²) dx.
+    #[test]
+    fn a_bell_has_the_arc_of_its_spectrum() {
+        let ln20 = 20f64.ln();
+        let n = 100_000;
+        let want: f64 = (0..n)
+            .map(|i| {
+                let x = (f64::from(i) + 0.5) / f64::from(n);
+                1f64.hypot(2.0 * ln20 * x * (-x * x * ln20).exp()) / f64::from(n)
+            })
+            .sum();
+        for (height, sigma_s) in [(0.7, 1.0), (0.1, 0.5)] {
+            let bell: Vec<f64> = (0..WINDOW)
+                .map(|i| {
+                    let t = (i as f64 * SAMPLE_S - 5.0) / sigma_s;
+                    height * (-0.5 * t * t).exp()
+                })
+                .collect();
+            let got = arc_length(&bell).expect("moves");
+            // The cut lies on a grid of frequencies.
+            assert!((got + want).abs() < 0.02, "{got} instead of {}", -want);
+        }
+    }
+
+    /// The authors' definition, written anew in Python with `cmath`: the same samples and the same
+    /// frequencies.
+    #[test]
+    fn it_agrees_with_an_independent_program() {
+        let speeds: Vec<f64> = (0..WINDOW)
+            .map(|i| {
+                let t = i as f64 * SAMPLE_S;
+                0.4 + 0.2 * (1.3 * t).sin() + if (60..80).contains(&i) { -0.3 } else { 0.0 }
+            })
+            .collect();
+        let (got, want) = (arc_length(&speeds).expect("moves"), -2.550_059_961_006_279);
+        assert!((got - want).abs() < 1e-9, "{got} instead of {want}");
+    }
+
+    #[test]
+    fn jerks_make_it_longer_and_rest_has_none() {
+        let smooth: Vec<f64> = vec![0.5; WINDOW];
+        let stops: Vec<f64> =
+            (0..WINDOW).map(|i| if i / 10 % 2 == 0 { 1.0 } else { 0.0 }).collect();
+        let arc = |speeds: &[f64]| arc_length(speeds).expect("moves");
+        assert!(arc(&stops) < arc(&smooth) - 0.5);
+        assert_eq!(arc_length(&[0.0; WINDOW]), None);
+    }
+}
