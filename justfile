@@ -31,6 +31,11 @@ fixtures-hold:
     target/debug/tandem check fixtures
     .ci/changed-default
 
+# Figures and their table in docs/controller.md, section 11
+figures:
+    cargo build --release --locked
+    python3 docs/make-figures.py
+
 # The README's main command
 demo:
     cargo run --release --locked -- demo --force

@@ -69,6 +69,7 @@ pub enum Command {
     /// Measure runs, or list and explain the metrics
     Metrics(command::metrics::Metrics),
     Explain(command::explain::Explain),
+    Plot(command::plot::Plot),
     /// Replay every fixture and compare it with its golden result
     Check(command::check::Check),
     /// Accept today's results as the golden ones, and keep the reason

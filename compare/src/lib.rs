@@ -7,13 +7,16 @@
 //! - [`Diff`]: two runs field by field, with the first cause along the controller's data flow;
 //! - [`Comparison`]: two controllers over many logs, with paired statistics and a verdict;
 //! - [`report`]: that one object as text, Markdown, JSON and a page;
+//! - [`figure`]: one run as a picture;
 //! - [`golden`]: a run against the result that was once approved.
 //!
 //! Nothing here runs a controller, reads a file or asks for the time.
 
 mod comparison;
 mod diff;
+mod drawing;
 mod error;
+pub mod figure;
 pub mod golden;
 mod metrics;
 #[cfg(test)]

@@ -26,9 +26,9 @@ Examples:
   tandem explain session.mcap --at 12.4
   tandem explain session.mcap --at 2025-01-01T00:00:12.4Z --format json
 
-When to look: `tandem diff` and the moments of `tandem compare` name times. The words are those of
-docs/controller.md: sets and k in its section 5, the frame and the sides in section 6, the safety
-layer in section 9, every `reason` in section 10.")]
+When to look: `tandem diff` and the moments of `tandem compare` name times; `tandem plot` shows when
+k changes. The words are those of docs/controller.md: sets and k in its section 5, the frame and the
+sides in section 6, the safety layer in section 9, every `reason` in section 10.")]
 pub struct Explain {
     /// The log: recorded, or written by `tandem replay -o`
     #[arg(value_name = "LOG")]

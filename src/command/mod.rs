@@ -9,6 +9,7 @@ pub mod explain;
 pub mod info;
 pub mod list;
 pub mod metrics;
+pub mod plot;
 pub mod record;
 pub mod replay;
 
@@ -28,6 +29,7 @@ pub fn run(cli: &Cli) -> Result<Status> {
         Command::Compare(command) => command.run(common),
         Command::Metrics(command) => command.run(common),
         Command::Explain(command) => command.run(common),
+        Command::Plot(command) => command.run(common),
         Command::Check(command) => command.run(common),
         Command::Approve(command) => command.run(common),
         Command::Info(command) => command.run(common),

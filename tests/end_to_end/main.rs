@@ -7,4 +7,5 @@ mod explain;
 mod fixtures;
 mod help;
 mod interruption;
+mod plot;
 mod program;
