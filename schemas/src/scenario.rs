@@ -29,6 +29,14 @@ pub enum Driver {
     Script,
     /// Moves the joystick freely and at random.
     Joystick,
+    /// Wants to be at places of their own: acts and waits, makes mistakes, backs off when blocked.
+    Hesitant,
+    /// Wants to be at places of their own: steers as walkers do, around what stands in the way.
+    Flowing,
+    /// Wants to be nowhere in particular: drives on until something is ahead, then turns away.
+    Explorer,
+    /// Follows the task's target, or places of their own, with a sluggish hand and lapses.
+    Tracker,
 }
 
 /// How a session starts.

@@ -17,7 +17,7 @@ pub enum SimulatorError {
     },
     /// A `random:` scenario whose parts do not read.
     #[error(
-        "bad scenario name {name:?}: expected random:N or random:rect|slant|disc:goal|joystick:N with a whole number N, got {part:?}"
+        "bad scenario name {name:?}: expected random:N or random:rect|slant|disc:goal|joystick|hesitant|flowing|explorer|tracker:N with a whole number N, got {part:?}"
     )]
     RandomName {
         /// What was asked for.

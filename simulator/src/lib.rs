@@ -21,4 +21,4 @@ pub use error::SimulatorError;
 pub use human::{Human, HumanView, Request, driver};
 pub use scenario::{scenario, scenarios};
 pub use sensors::{EARTH_FIELD_UT, GRAVITY_MPS2, SONAR_CONE_HALF_DEG};
-pub use simulation::{Simulation, SimulationSetup};
+pub use simulation::{JOYSTICK_PERIOD, Simulation, SimulationSetup};

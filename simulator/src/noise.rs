@@ -34,6 +34,10 @@ pub(crate) enum Purpose {
     FreeRide,
     /// The making of a random scenario.
     Scenario,
+    /// The places that a person wants to be at.
+    Wish,
+    /// A person's decisions, mistakes and lapses.
+    Whim,
 }
 
 impl Purpose {
@@ -45,6 +49,8 @@ impl Purpose {
             Purpose::Tremor => 0x400,
             Purpose::FreeRide => 0x500,
             Purpose::Scenario => 0x600,
+            Purpose::Wish => 0x700,
+            Purpose::Whim => 0x800,
         }
     }
 }

@@ -20,7 +20,8 @@ use crate::sensors::{Encoders, Imu, Sonars, exact_pose};
 const SONAR_PERIOD_NS: u64 = 40_000_000;
 const IMU_PERIOD_NS: u64 = 10_000_000;
 const ENCODER_PERIOD_NS: u64 = 20_000_000;
-const JOYSTICK_PERIOD_NS: u64 = 20_000_000;
+/// How often a person is asked for their joystick, from the start of the session on.
+pub const JOYSTICK_PERIOD: Span = Span(20_000_000);
 const TRUTH_PERIOD_NS: u64 = 20_000_000;
 
 /// The shortest control period: below it the ranks of one instant would reach into the next.
@@ -118,7 +119,7 @@ impl Simulation {
                 Stream::Imu => (sonar_suite, IMU_PERIOD_NS),
                 Stream::Encoders => (sonar_suite, ENCODER_PERIOD_NS),
                 Stream::Exact => (!sonar_suite, control_period.0),
-                Stream::Joystick => (true, JOYSTICK_PERIOD_NS),
+                Stream::Joystick => (true, JOYSTICK_PERIOD.0),
                 Stream::Truth => (true, TRUTH_PERIOD_NS),
                 Stream::Step => (true, control_period.0),
             };

@@ -76,6 +76,14 @@ pub enum DriverName {
     Script,
     /// Moves the joystick freely, at random
     Joystick,
+    /// Wants to be at places: acts and waits, errs, backs off when blocked
+    Hesitant,
+    /// Wants to be at places: steers around what stands in the way, as walkers do
+    Flowing,
+    /// Drives on until something is ahead, then turns away
+    Explorer,
+    /// Follows the task's target with a sluggish hand and lapses
+    Tracker,
 }
 
 /// `--sensors`.
@@ -133,6 +141,10 @@ impl Record {
             DriverName::Goal => Driver::Goal,
             DriverName::Script => Driver::Script,
             DriverName::Joystick => Driver::Joystick,
+            DriverName::Hesitant => Driver::Hesitant,
+            DriverName::Flowing => Driver::Flowing,
+            DriverName::Explorer => Driver::Explorer,
+            DriverName::Tracker => Driver::Tracker,
         });
         let sensors = self.sensors.map_or(scenario.sensors, |sensors| match sensors {
             SensorsName::Exact => SensorSuite::Exact,
@@ -227,5 +239,9 @@ fn driver_name(driver: Driver) -> &'static str {
         Driver::Goal => "goal",
         Driver::Script => "script",
         Driver::Joystick => "joystick",
+        Driver::Hesitant => "hesitant",
+        Driver::Flowing => "flowing",
+        Driver::Explorer => "explorer",
+        Driver::Tracker => "tracker",
     }
 }

@@ -1,10 +1,8 @@
 //! The person who pursues a target: the `goal` model of specification §7.
 
-use core::f64::consts::{PI, TAU};
-
 use schemas::{GoalDriver, Task};
 
-use super::{Human, HumanView, Request};
+use super::{Human, HumanView, Request, wrap};
 
 /// Nearer than this to the target the person asks for nothing, metres: the bearing of a point
 /// underfoot says nothing.
@@ -42,16 +40,11 @@ impl Human for Pursuit {
     }
 }
 
-/// The same angle in [-π, π).
-fn wrap(angle_rad: f64) -> f64 {
-    (angle_rad + PI).rem_euclid(TAU) - PI
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::human::view;
-    use core::f64::consts::FRAC_PI_2;
+    use core::f64::consts::{FRAC_PI_2, PI, TAU};
     use schemas::Pose;
 
     fn pursuit() -> Pursuit {

@@ -3,10 +3,19 @@
 //! A person is asked for their joystick fifty times a second. The scripted people stand here; a
 //! recorded person brought back in closed loop implements the same trait elsewhere.
 
+mod explorer;
+mod flowing;
 mod free;
 mod goal;
+mod hesitant;
+mod mood;
+#[cfg(test)]
+mod reactive_tests;
 mod script;
+mod tracker;
 mod tremor;
+
+use core::f64::consts::{PI, TAU};
 
 use schemas::{Driver, Pose, Scenario, Time};
 
@@ -79,11 +88,20 @@ pub fn driver(
             Box::new(script::Script::new(&person.script))
         }
         Driver::Joystick => Box::new(free::FreeRide::new(person.joystick_seed)),
+        Driver::Hesitant => Box::new(hesitant::Hesitant::new(scenario)),
+        Driver::Flowing => Box::new(flowing::Flowing::new(scenario)),
+        Driver::Explorer => Box::new(explorer::Explorer::new(scenario)),
+        Driver::Tracker => Box::new(tracker::Tracker::new(scenario)),
     };
     Ok(match scenario.noise.joystick {
         None => steady,
         Some(noise) => Box::new(tremor::Tremor::new(steady, noise, seed)),
     })
+}
+
+/// The same angle in [-π, π).
+fn wrap(angle_rad: f64) -> f64 {
+    (angle_rad + PI).rem_euclid(TAU) - PI
 }
 
 #[cfg(test)]

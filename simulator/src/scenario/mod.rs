@@ -24,7 +24,7 @@ const BUILT_IN: [(&str, &str); 8] = [
 const RANDOM: [(&str, &str); 2] = [
     ("random:N", "room, start, task and driver made from the whole number N"),
     (
-        "random:rect|slant|disc:goal|joystick:N",
+        "random:rect|slant|disc:goal|joystick|hesitant|flowing|explorer|tracker:N",
         "the same with the kind of room (rectangular, slanted, with walking people) and the driver chosen",
     ),
 ];

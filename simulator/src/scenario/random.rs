@@ -39,7 +39,17 @@ enum Kind {
 
 const KINDS: [(&str, Kind); 3] =
     [("rect", Kind::Rect), ("slant", Kind::Slant), ("disc", Kind::Disc)];
-const DRIVERS: [(&str, Driver); 2] = [("goal", Driver::Goal), ("joystick", Driver::Joystick)];
+const DRIVERS: [(&str, Driver); 6] = [
+    ("goal", Driver::Goal),
+    ("joystick", Driver::Joystick),
+    ("hesitant", Driver::Hesitant),
+    ("flowing", Driver::Flowing),
+    ("explorer", Driver::Explorer),
+    ("tracker", Driver::Tracker),
+];
+
+/// How many of them `random:N` chooses from: the first ones.
+const CHOSEN_DRIVERS: u64 = 2;
 
 /// The scenario of a name whose part after `random:` is `rest`.
 pub(super) fn scenario(name: &str, rest: &str) -> Result<Scenario, SimulatorError> {
@@ -52,7 +62,7 @@ pub(super) fn scenario(name: &str, rest: &str) -> Result<Scenario, SimulatorErro
             let n = number(n)?;
             let choice = Stream::new(n, Purpose::Scenario).reading(0);
             let (_, kind) = KINDS[choice.pick(0, KINDS.len() as u64) as usize];
-            let (_, driver) = DRIVERS[choice.pick(1, DRIVERS.len() as u64) as usize];
+            let (_, driver) = DRIVERS[choice.pick(1, CHOSEN_DRIVERS) as usize];
             Ok(make(name, kind, driver, n))
         }
         [kind, driver, n] => {
@@ -91,6 +101,10 @@ fn make(name: &str, kind: Kind, driver: Driver, n: u64) -> Scenario {
     let errand = match driver {
         Driver::Goal => "following a target",
         Driver::Script | Driver::Joystick => "driving about freely",
+        Driver::Hesitant => "a hesitant person with places to be",
+        Driver::Flowing => "a person who flows around what is in the way",
+        Driver::Explorer => "a person who wants to be nowhere in particular",
+        Driver::Tracker => "following a target with a sluggish hand",
     };
     Scenario {
         name: name.to_owned(),
@@ -99,7 +113,7 @@ fn make(name: &str, kind: Kind, driver: Driver, n: u64) -> Scenario {
         sensors: SensorSuite::Sonar,
         driver,
         start: Start { pose, v_mps: 0.0, omega_radps: 0.0 },
-        task: (driver == Driver::Goal).then_some(task),
+        task: matches!(driver, Driver::Goal | Driver::Tracker).then_some(task),
         robot: Robot::default(),
         plant: Plant { slip: 0.03, ..Plant::default() },
         noise: Noise {
