@@ -3,16 +3,18 @@
 use std::cell::RefCell;
 use std::fs::File;
 use std::io::BufReader;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow};
 use compare::{Diff, LogPair, Measured, Meter, Tolerances};
-use replay::{Mode, Replay};
+use replay::{Gains, Mode, Recording, Replay};
 use schemas::log::LogReader;
 use schemas::{Event, Header, Stamped};
 
+use crate::cli::Common;
 use crate::controller_choice::ControllerChoice;
-use crate::{interrupt, logs};
+use crate::{fleet, interrupt, logs};
 
 /// A log under one controller, event by event.
 enum Arm {
@@ -51,6 +53,21 @@ impl Arm {
             },
         }
     }
+}
+
+/// Most logs that gains are pooled over; of more, evenly spread ones.
+const MOST_POOLED: usize = 40;
+
+/// Gains of the fitted person, pooled over the logs. A log that cannot be read, or holds nobody, has
+/// no say; whoever replays it reports it.
+pub fn gains(common: &Common, logs: &[PathBuf]) -> Gains {
+    let every = logs.len().div_ceil(MOST_POOLED).max(1);
+    let pool: Vec<&PathBuf> = logs.iter().step_by(every).collect();
+    let read = fleet::each(common, &pool, "fitting", |log| {
+        Ok(Arc::new(Recording::read(logs::open_raw(log)?)?))
+    });
+    let recordings: Vec<Arc<Recording>> = read.into_iter().filter_map(Result::ok).collect();
+    Gains::pooled(&recordings)
 }
 
 /// Both arms of one log, walked side by side: measured, and compared step by step.

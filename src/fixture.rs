@@ -105,7 +105,7 @@ impl Fixture {
         let name = || session.display().to_string();
         let header = logs::open(&session)?.header().clone();
         let spec = self.controller.for_log(&header).with_context(name)?;
-        let mode = self.mode.with(HumanName::Playback);
+        let mode = self.mode.with(HumanName::Playback, replay::Gains::PRIOR);
         let mut replay =
             Replay::new(|| logs::open_raw(&session), &spec, mode).with_context(name)?;
         let mut meter = Meter::new(&header);

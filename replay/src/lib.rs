@@ -11,27 +11,35 @@
 //! [`Outcome`] that says whether they are those of the recording, bit for bit. Replay re-executes:
 //! nothing that the recorded controller said is ever copied into a result.
 
+mod angle;
 mod closed;
 mod error;
 mod hash;
+mod horizon;
 mod human;
 mod open;
 mod outcome;
 mod recorded;
+mod recording;
+#[cfg(test)]
+mod session;
 
 pub use error::ReplayError;
 pub use hash::{Covered, OutputHash};
-pub use human::Person;
+pub use horizon::Horizon;
+pub use human::{Gains, Person, Reaction};
 pub use outcome::{Deviation, Outcome};
+pub use recording::Recording;
 
 use std::io::Read;
+use std::sync::Arc;
 
 use controller::{Runner, Spec};
 use schemas::log::LogReader;
 use schemas::{Event, Stamped};
 
 /// How a log is replayed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mode {
     /// Recorded sensors in, outputs compared.
     Open,
@@ -71,9 +79,38 @@ impl<R: Read + 'static> Replay<R> {
         Ok(Replay(match mode {
             Mode::Open => Kind::Open(Box::new(open::OpenLoop::new(open()?, spec)?)),
             Mode::Closed(person) => {
-                Kind::Closed(Box::new(closed::ClosedLoop::new(open()?, open()?, spec, person)?))
+                let recording = Arc::new(Recording::read(open()?)?);
+                return Replay::beside(open()?, &recording, spec, person);
             }
         }))
+    }
+
+    /// Prepares a closed-loop replay of a log whose person has been read already.
+    ///
+    /// # Errors
+    /// As [`Replay::new`].
+    pub fn beside(
+        log: LogReader<R>,
+        recording: &Arc<Recording>,
+        spec: &Spec,
+        person: Person,
+    ) -> Result<Replay<R>, ReplayError> {
+        let replay = closed::ClosedLoop::beside(log, recording, spec, person)?;
+        Ok(Replay(Kind::Closed(Box::new(replay))))
+    }
+
+    /// Prepares one arm of several closed-loop replays over one reading of a log. It is not compared
+    /// with the recording.
+    ///
+    /// # Errors
+    /// The controller cannot be built for the log's scenario, or its sensors cannot be simulated.
+    pub fn of_recording(
+        recording: &Arc<Recording>,
+        spec: &Spec,
+        person: Person,
+    ) -> Result<Replay<R>, ReplayError> {
+        let replay = closed::ClosedLoop::alone(recording, spec, person)?;
+        Ok(Replay(Kind::Closed(Box::new(replay))))
     }
 
     /// The next event of the replayed session in log order, or `None` at its end. Damage in the log
@@ -90,6 +127,14 @@ impl<R: Read + 'static> Replay<R> {
         match &self.0 {
             Kind::Open(replay) => replay.runner(),
             Kind::Closed(replay) => replay.runner(),
+        }
+    }
+
+    /// Closed loop: when the replay parted from the recording, as far as it has come.
+    pub fn horizon(&self) -> Option<Horizon> {
+        match &self.0 {
+            Kind::Open(_) => None,
+            Kind::Closed(replay) => Some(replay.horizon()),
         }
     }
 

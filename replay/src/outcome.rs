@@ -3,7 +3,7 @@
 use schemas::log::LogError;
 use schemas::{Event, Stamped, Step, Time, Value};
 
-use crate::{Covered, OutputHash, ReplayError};
+use crate::{Covered, Horizon, OutputHash, ReplayError};
 
 /// The largest difference between a replayed and a recorded step.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +35,11 @@ pub struct Outcome {
     pub duration_s: f64,
     /// Why the replay ended before the log should have, where it did.
     pub damage: Option<String>,
+    /// Closed loop: when the simulated run parted from the recorded one.
+    pub horizon: Option<Horizon>,
+    /// Closed loop: the greatest distance between simulated and recorded state, 1 at half a metre or
+    /// one radian. 0 certifies that the person would have seen the same throughout.
+    pub furthest: Option<f64>,
 }
 
 /// The running count behind an [`Outcome`].
@@ -103,6 +108,8 @@ impl Tally {
             max_deviation: self.deviation,
             duration_s: self.last.seconds_since(self.start),
             damage: self.damage.map(|damage| damage.to_string()),
+            horizon: None,
+            furthest: None,
         })
     }
 }

@@ -75,7 +75,17 @@ impl Compare {
 
     /// Compares and writes the report, without telling; also the way in for `demo`.
     pub fn compare(&self, common: &Common) -> Result<Comparison> {
-        let mode = self.mode.with(self.human);
+        if self.human == HumanName::Ladder {
+            bail!(
+                "compare takes one level of the ladder at a time; `tandem replay --human ladder` runs all"
+            );
+        }
+        let gains = if self.mode.needs_gains(self.human) {
+            arm::gains(common, &self.logs)
+        } else {
+            replay::Gains::PRIOR
+        };
+        let mode = self.mode.with(self.human, gains);
         let reports = match &self.report {
             None => Vec::new(),
             Some(folder) => report_files(folder, common.force)?,

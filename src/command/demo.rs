@@ -84,7 +84,7 @@ impl Demo {
             "2. Replay: with the controller that recorded it, a log comes back bit for bit.",
         );
         let replays = [ModeName::Open, ModeName::Closed]
-            .map(|mode| replay(&lab, mode.with(HumanName::Playback)))
+            .map(|mode| replay(&lab, mode.with(HumanName::Playback, replay::Gains::PRIOR)))
             .into_iter()
             .collect::<Result<Vec<_>>>()?;
         for line in &replays {

@@ -84,3 +84,57 @@ fn a_replay_written_to_a_log_is_a_log() {
     here.tandem("replay log.mcap -o other.mcap").exits(2);
     here.tandem("replay log.mcap -o other.mcap --force").succeeds();
 }
+
+/// Under the recording controller every model of the person is the recording, on every fixture; and
+/// the ladder runs them all, with nothing between them.
+#[test]
+fn every_level_of_the_ladder_is_the_recording() {
+    let here = Workplace::new();
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
+    let mut logs = Vec::new();
+    for entry in std::fs::read_dir(&folder).unwrap() {
+        let log = entry.unwrap().path().join("session.mcap");
+        if log.is_file() {
+            logs.push(log.display().to_string());
+        }
+    }
+    assert!(logs.len() >= 7, "{logs:?}");
+    let command = format!("replay --format json --mode closed --human ladder {}", logs.join(" "));
+    let result = here.tandem(&command).succeeds().json();
+    let runs = result["runs"].as_array().unwrap();
+    assert_eq!(runs.len(), 4 * logs.len());
+    for run in runs {
+        assert_eq!(run["identical_to_recorded"], true, "{run}");
+        assert_eq!(run["furthest"], 0.0, "{run}");
+        assert!(run["horizon_s"].as_f64().unwrap() > 1.0, "{run}");
+        assert_eq!(run["horizon"]["state_s"], serde_json::Value::Null);
+    }
+    let ladder = result["ladder"].as_array().unwrap();
+    assert_eq!(ladder.len(), logs.len());
+    assert!(ladder.iter().all(|log| log["spread_m"] == 0.0));
+}
+
+/// Under another controller the levels part, the horizon says when, and logs come ranked by spread.
+#[test]
+fn the_ladder_spreads_under_another_controller() {
+    let here = Workplace::new();
+    for (name, person) in [("a.mcap", "tracker"), ("b.mcap", "joystick"), ("c.mcap", "flowing")] {
+        here.record(name, &format!("--scenario random:slant:{person}:6 --controller human"));
+    }
+    let command = "replay --format json --mode closed --human ladder \
+                   --controller tandem-kinematic a.mcap b.mcap c.mcap -o out";
+    let result = here.tandem(command).succeeds().json();
+    let runs = result["runs"].as_array().unwrap();
+    assert_eq!(runs.len(), 12);
+    for run in runs {
+        assert!(std::path::Path::new(&here.path(run["output"].as_str().unwrap())).is_file());
+    }
+    let ladder = result["ladder"].as_array().unwrap();
+    let spread = |i: usize| ladder[i]["spread_m"].as_f64().unwrap();
+    assert!(spread(0) >= spread(1) && spread(1) >= spread(2));
+    let scripted = ladder.iter().find(|log| log["log"] == "b.mcap").unwrap();
+    assert_eq!(scripted["person"], "scripted");
+    let share = &scripted["metrics"]["human_share"];
+    assert_eq!(share["levels"]["intent"], share["levels"]["playback"]);
+    assert_eq!(share["levels"]["fitted"], share["estimate"]);
+}

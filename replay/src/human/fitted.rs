@@ -1,0 +1,92 @@
+//! A person fitted to the log, with the recorded residual: abduction, action, prediction.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use schemas::Pose;
+
+use super::anchored::Model;
+use super::bearing::{Gains, ask};
+use super::goals::{Explained, GRID_M, delay_ticks, explain};
+use crate::angle::wrap;
+use crate::recording::{Recording, State};
+
+/// State distances that count as one: metres and radians.
+const SCALE: (f64, f64) = (0.5, 1.0);
+
+/// State distance at which the recorded residual has lost two fifths of its weight.
+const FADE: f64 = 1.0;
+
+/// How far two poses are apart: 1 at half a metre or at one radian.
+pub(crate) fn state_distance(a: &Pose, b: &Pose) -> f64 {
+    let (dx, dy) = ((a.x_m - b.x_m) / SCALE.0, (a.y_m - b.y_m) / SCALE.0);
+    let turned = wrap(a.theta_rad - b.theta_rad) / SCALE.1;
+    libm::sqrt(dx * dx + dy * dy + turned * turned)
+}
+
+/// The law with a person's goals, gains and habits.
+#[derive(Clone, Debug)]
+pub(crate) struct Fit {
+    recording: Arc<Recording>,
+    explained: Arc<Explained>,
+    gains: Gains,
+}
+
+impl Fit {
+    pub(crate) fn new(recording: &Arc<Recording>, gains: Gains) -> Fit {
+        let explained = Arc::new(explain(recording, &gains, GRID_M, usize::MAX));
+        Fit { recording: Arc::clone(recording), explained, gains }
+    }
+
+    /// What the law leaves unexplained on the recorded states, [m/s, rad/s].
+    pub(crate) fn residual(&self) -> [f64; 2] {
+        self.explained.residual
+    }
+
+    /// What the law asks for at a tick when the robot was seen at `pose`.
+    fn ask(&self, tick: usize, pose: &Pose) -> [f64; 2] {
+        let goal = self.explained.goal(tick);
+        ask(&self.gains, &self.explained.habits, &goal, pose, Recording::tick_s(tick))
+    }
+
+    /// What the law asked for at a tick of the recording.
+    fn recorded(&self, tick: usize) -> Option<[f64; 2]> {
+        let seen = tick.saturating_sub(delay_ticks(self.gains.delay_s));
+        let state = self.recording.moments().get(seen)?.state?;
+        Some(self.ask(tick, &state.pose))
+    }
+}
+
+/// The fitted person looking at a simulated robot.
+pub(crate) struct Fitted {
+    fit: Fit,
+    /// Poses since one reaction time ago, newest last.
+    seen: VecDeque<Pose>,
+    keep: usize,
+}
+
+impl Fitted {
+    pub(crate) fn new(fit: Fit) -> Fitted {
+        let keep = delay_ticks(fit.gains.delay_s) + 1;
+        Fitted { fit, seen: VecDeque::with_capacity(keep + 1), keep }
+    }
+
+    /// What the law asks for now, and what it asked for in the recording: [m/s, rad/s] each.
+    pub(crate) fn both(&mut self, tick: usize, pose: &Pose) -> Option<([f64; 2], [f64; 2])> {
+        self.seen.push_back(*pose);
+        if self.seen.len() > self.keep {
+            self.seen.pop_front();
+        }
+        let seen = self.seen.front()?;
+        Some((self.fit.ask(tick, seen), self.fit.recorded(tick)?))
+    }
+}
+
+impl Model for Fitted {
+    fn ask(&mut self, tick: usize, now: &State, then: &State, asked: [f64; 2]) -> [f64; 2] {
+        let Some((model, recorded)) = self.both(tick, &now.pose) else { return asked };
+        let distance = state_distance(&now.pose, &then.pose) / FADE;
+        let weight = libm::exp(-0.5 * distance * distance);
+        [0, 1].map(|axis| model[axis] + weight * (asked[axis] - recorded[axis]))
+    }
+}

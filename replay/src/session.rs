@@ -1,0 +1,83 @@
+//! Sessions recorded in memory, for tests.
+
+use std::io::Cursor;
+
+use controller::{Runner, Session, Setup, Spec};
+use schemas::log::{LogReader, LogWriter, WriterOptions};
+use schemas::{Event, Header, RunInfo, SIMULATION_EPOCH, Scenario, SensorSuite, Span, Stamped};
+use simulator::{Simulation, SimulationSetup};
+
+/// A session recorded with one controller.
+pub(crate) struct Recorded {
+    pub(crate) bytes: Vec<u8>,
+    pub(crate) spec: Spec,
+    pub(crate) events: Vec<Stamped<Event>>,
+}
+
+impl Recorded {
+    pub(crate) fn open(&self) -> LogReader<Cursor<Vec<u8>>> {
+        LogReader::new(Cursor::new(self.bytes.clone())).expect("a log that was just written opens")
+    }
+}
+
+/// The scenario of a name, `seconds` long.
+pub(crate) fn scenario(name: &str, seconds: f64) -> Scenario {
+    Scenario { duration_s: seconds, ..simulator::scenario(name).expect("a known scenario") }
+}
+
+/// A version with the scenario's own parameters.
+pub(crate) fn spec(name: &str, scenario: &Scenario) -> Spec {
+    let dynamic = name.ends_with("dynamic");
+    let overrides =
+        if dynamic { &scenario.controller.dynamic } else { &scenario.controller.kinematic };
+    Spec::resolve(name, &[overrides]).expect("a known version")
+}
+
+/// Records a session.
+pub(crate) fn record(scenario: &Scenario, controller: &str, sensors: SensorSuite) -> Recorded {
+    let spec = spec(controller, scenario);
+    let (start, seed) = (SIMULATION_EPOCH, 5);
+    let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
+    let runner = Runner::new(&setup).expect("parameters fit");
+    let control_period = runner.control_period();
+    let human = simulator::driver(scenario, scenario.driver, seed).expect("its own driver");
+    let simulation = Simulation::new(
+        SimulationSetup {
+            scenario: scenario.clone(),
+            sensors,
+            seed,
+            start,
+            control_period,
+            duration: Span::from_seconds(scenario.duration_s),
+        },
+        human,
+    )
+    .expect("a sound scenario");
+    let header = Header {
+        run: RunInfo {
+            format_version: schemas::FORMAT_VERSION,
+            controller: controller.to_owned(),
+            seed,
+            scenario: scenario.name.clone(),
+            sensors: if sensors == SensorSuite::Exact { "exact" } else { "sonar" }.to_owned(),
+            driver: "somebody".to_owned(),
+            start,
+            control_period_ns: control_period.0,
+            ..RunInfo::default()
+        },
+        params_toml: spec.params_toml(),
+        scenario: scenario.clone(),
+    };
+    let options = WriterOptions { view: false, ..WriterOptions::offline() };
+    let mut log = LogWriter::new(Vec::new(), &header, &options).expect("memory takes it");
+    let mut session = Session::new(simulation, runner);
+    let mut events = Vec::new();
+    loop {
+        let Ok(event) = session.next_event();
+        let Some(event) = event else { break };
+        log.write(&event).expect("memory takes it");
+        events.push(event);
+    }
+    let (bytes, _) = log.finish().expect("memory takes it");
+    Recorded { bytes, spec, events }
+}

@@ -1,0 +1,414 @@
+//! `tandem replay`: logs through a controller again.
+
+mod ladder;
+mod result;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::fs::File;
+use std::io::{BufReader, BufWriter};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Instant;
+
+use ::compare::{CATALOGUE, Meter};
+use anyhow::{Context as _, Result, bail};
+use clap::{Args, ValueEnum};
+use ladder::Ladder;
+use replay::{Gains, Mode, Outcome, Person, Reaction, Recording};
+use result::Run;
+use schemas::log::{LogWriter, WriterOptions};
+use schemas::{Event, Header, RunInfo, Span, Stamped};
+use serde::Serialize;
+
+use crate::cli::Common;
+use crate::controller_choice::ControllerChoice;
+use crate::status::Status;
+use crate::{arm, fleet, interrupt, logs, output};
+
+/// Replay logs into a controller.
+///
+/// Open loop feeds the recorded sensors and joystick at the recorded step times and compares what
+/// the controller says. Closed loop lets the recorded person drive a simulated robot in the log's
+/// own world, with sensors simulated anew from the recorded seed.
+///
+/// With the controller that recorded the log, both give the recording back bit for bit.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  tandem replay session.mcap
+  tandem replay session.mcap --mode closed
+  tandem replay logs/*.mcap --controller paper-kinematic --mode closed -o replayed/
+  tandem replay logs/*.mcap --controller paper-kinematic --mode closed --human ladder
+
+Exit status: 1 when an open-loop replay of the recording controller is not identical to the
+recording, or when a damaged log could be replayed in part only.")]
+pub struct Replay {
+    /// The logs to replay
+    #[arg(required = true, value_name = "LOG")]
+    pub logs: Vec<PathBuf>,
+    /// Controller to replay into [default: the one that recorded the log]
+    #[arg(long, default_value = "recorded", value_name = "C", hide_default_value = true)]
+    pub controller: ControllerChoice,
+    #[command(flatten)]
+    pub how: How,
+    /// Write the replayed session: a file for one log, a folder for several
+    #[arg(long, short, value_name = "FILE|DIR")]
+    pub output: Option<PathBuf>,
+}
+
+/// Open or closed loop, and with which person.
+#[derive(Args, Clone, Copy)]
+pub struct How {
+    /// Open loop (recorded sensors) or closed loop (recorded person, simulated robot)
+    #[arg(long, value_enum, default_value_t = ModeName::Open)]
+    pub mode: ModeName,
+    /// How the recorded person is brought back in closed loop
+    #[arg(long, value_enum, default_value_t = HumanName::Playback)]
+    pub human: HumanName,
+}
+
+/// `--mode`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ModeName {
+    /// Recorded sensors in, outputs compared
+    Open,
+    /// Recorded person, simulated robot
+    Closed,
+}
+
+/// `--human`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum HumanName {
+    /// The joystick as a function of time: a person who does not look
+    Playback,
+    /// The joystick as a function of the distance travelled: one who never gives in
+    Path,
+    /// Where the joystick pointed, or the task's trajectory: an estimate with nothing fitted
+    Intent,
+    /// A person fitted to the logs, with what the fit leaves unexplained: an estimate
+    Fitted,
+    /// All of them, side by side
+    Ladder,
+}
+
+impl HumanName {
+    /// The levels that it names.
+    pub fn levels(self, gains: Gains) -> Vec<Person> {
+        match self {
+            HumanName::Playback => vec![Person::Playback],
+            HumanName::Path => vec![Person::Path],
+            HumanName::Intent => vec![Person::Intent],
+            HumanName::Fitted => vec![Person::Fitted(gains)],
+            HumanName::Ladder => Person::ladder(gains).to_vec(),
+        }
+    }
+}
+
+impl ModeName {
+    /// With the one person that it needs; of the ladder its last level.
+    pub fn with(self, human: HumanName, gains: Gains) -> Mode {
+        match self {
+            ModeName::Open => Mode::Open,
+            ModeName::Closed => Mode::Closed(human.levels(gains).pop().unwrap_or(Person::Playback)),
+        }
+    }
+
+    /// Whether a fit is needed.
+    pub fn needs_gains(self, human: HumanName) -> bool {
+        self == ModeName::Closed && matches!(human, HumanName::Fitted | HumanName::Ladder)
+    }
+}
+
+#[derive(Serialize)]
+struct Replayed {
+    runs: Vec<Run>,
+    /// With `--human ladder`: the levels of each log side by side, widest spread first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ladder: Option<Vec<Ladder>>,
+    /// With a fitted person: the gains, pooled over the logs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    gains: Option<PooledGains>,
+}
+
+#[derive(Serialize)]
+struct PooledGains {
+    k_theta: f64,
+    delay_s: f64,
+}
+
+impl Replay {
+    pub fn run(&self, common: &Common) -> Result<Status> {
+        let How { mode, human } = self.how;
+        let gains =
+            if mode.needs_gains(human) { arm::gains(common, &self.logs) } else { Gains::PRIOR };
+        let modes: Vec<Mode> = match mode {
+            ModeName::Open => vec![Mode::Open],
+            ModeName::Closed => human.levels(gains).into_iter().map(Mode::Closed).collect(),
+        };
+        let several = self.logs.len() > 1 || modes.len() > 1;
+        if several && self.output.as_ref().is_some_and(|output| output.is_file()) {
+            bail!("-o names a file, but there are several replays: name a folder");
+        }
+        self.guard_outputs(several)?;
+        let results = fleet::each(common, &self.logs, "replaying", |log| {
+            self.replay_log(common, log, &modes, several)
+        });
+        let (mut runs, mut ladders) = (Vec::new(), Vec::new());
+        for (log, result) in self.logs.iter().zip(results) {
+            match result {
+                Ok((of_log, reaction)) => {
+                    if human == HumanName::Ladder
+                        && let Some(reaction) = reaction
+                    {
+                        ladders.extend(Ladder::of(&of_log, reaction));
+                    }
+                    runs.extend(of_log);
+                }
+                Err(error) => runs.extend(modes.iter().map(|mode| {
+                    let status = Status::of_error(&error);
+                    Run::failed(log, *mode, self.controller.label(), status, format!("{error:#}"))
+                })),
+            }
+        }
+        Ladder::rank(&mut ladders);
+        let status = runs.iter().fold(Status::Done, |worst, run| worst.worse(run.status));
+        let mut told = BTreeSet::new();
+        for error in runs.iter().filter_map(|run| run.error.as_ref()) {
+            if told.insert(error) {
+                output::note(&format!("error: {error}"));
+            }
+        }
+        let ladder = (human == HumanName::Ladder && mode == ModeName::Closed).then_some(ladders);
+        let Gains { k_theta, delay_s } = gains;
+        let gains = mode.needs_gains(human).then_some(PooledGains { k_theta, delay_s });
+        output::print(common, &Replayed { runs, ladder, gains }, |result| {
+            let runs: String = result.runs.iter().map(Run::text).collect();
+            runs + &Ladder::text(result.ladder.as_deref().unwrap_or_default())
+        })?;
+        Ok(status)
+    }
+
+    /// One log in every mode that was asked for, with what its person is like.
+    fn replay_log(
+        &self,
+        common: &Common,
+        log: &Path,
+        modes: &[Mode],
+        several: bool,
+    ) -> Result<(Vec<Run>, Option<Reaction>)> {
+        let name = || log.display().to_string();
+        let header = logs::open(log)?.header().clone();
+        let spec = self.controller.for_log(&header)?;
+        output::detail(common, || {
+            let run = &header.run;
+            format!(
+                "{}: {} recorded with {}, seed {}; replaying into {}",
+                log.display(),
+                run.scenario,
+                run.controller,
+                run.seed,
+                spec.name
+            )
+        });
+        let closed = modes.iter().any(|mode| matches!(mode, Mode::Closed(_)));
+        let recording = if closed {
+            let recording = Recording::read(logs::open_raw(log).with_context(name)?);
+            Some(Arc::new(recording.with_context(name)?))
+        } else {
+            None
+        };
+        let reaction = recording.as_ref().map(|recording| Reaction::of(recording));
+        let mut runs = Vec::new();
+        for mode in modes {
+            let began = Instant::now();
+            let replay = match (mode, &recording) {
+                (Mode::Closed(person), Some(recording)) => logs::open_raw(log)
+                    .map_err(replay::ReplayError::from)
+                    .and_then(|log| replay::Replay::beside(log, recording, &spec, *person)),
+                _ => replay::Replay::new(|| logs::open_raw(log), &spec, *mode),
+            };
+            let replay = replay.with_context(name)?;
+            runs.push(self.replay_one(
+                common,
+                log,
+                (*mode, several, &spec, began),
+                replay,
+                &header,
+            )?);
+        }
+        Ok((runs, reaction))
+    }
+
+    /// Refuses two logs of one name for one folder: one result would overwrite the other.
+    fn guard_outputs(&self, several: bool) -> Result<()> {
+        let Some(output) = &self.output else { return Ok(()) };
+        let mut seen = BTreeMap::new();
+        for log in &self.logs {
+            let path = logs::output_for(log, self.controller.label(), output, several);
+            if let Some(other) = seen.insert(path.clone(), log) {
+                bail!(
+                    "{} and {} would both be written to {}; replay them into different folders",
+                    other.display(),
+                    log.display(),
+                    path.display()
+                );
+            }
+        }
+        Ok(())
+    }
+
+    fn replay_one(
+        &self,
+        common: &Common,
+        log: &Path,
+        (mode, several, spec, began): (Mode, bool, &controller::Spec, Instant),
+        mut replay: replay::Replay<BufReader<File>>,
+        header: &Header,
+    ) -> Result<Run> {
+        let mut writer = match &self.output {
+            None => None,
+            Some(output) => {
+                let path = self.output_for(log, &spec.name, mode, output, several);
+                logs::guard_input(&path, log)?;
+                logs::guard(&path, common.force)?;
+                let header = replay_header(header, spec, mode, logs::hash_file(log)?);
+                Some(Writing::begin(path, &header)?)
+            }
+        };
+        // Metrics twice: over the whole run, and as far as the recorded person is to be believed.
+        let closed = matches!(mode, Mode::Closed(_));
+        let mut meters = closed.then(|| [Meter::new(header), Meter::new(header)]);
+        let mut interrupted = false;
+        while let Some(event) = replay.next_event() {
+            if let Some([whole, until_horizon]) = &mut meters {
+                whole.observe(&event);
+                if replay.horizon().is_some_and(|horizon| horizon.first_s().is_none()) {
+                    until_horizon.observe(&event);
+                }
+            }
+            if let Some(writer) = &mut writer {
+                writer.write(&event)?;
+            }
+            if interrupt::pressed() {
+                interrupted = true;
+                break;
+            }
+        }
+        let written = writer.map(Writing::finish).transpose()?;
+        let outcome = match replay.finish().with_context(|| log.display().to_string()) {
+            Ok(outcome) => outcome,
+            Err(error) => {
+                // A log without a step is no result.
+                if let Some(path) = &written {
+                    let _ = fs::remove_file(path);
+                }
+                return Err(error);
+            }
+        };
+        let error = match &outcome.damage {
+            _ if interrupted => Some(format!("{}: interrupted", log.display())),
+            Some(damage) => Some(format!("{}: {damage}", log.display())),
+            None => None,
+        };
+        let elapsed_s = began.elapsed().as_secs_f64();
+        let status = self.status(&outcome, mode, interrupted);
+        let controller = match &self.controller {
+            ControllerChoice::Recorded => spec.name.clone(),
+            ControllerChoice::Version { typed, .. } => typed.clone(),
+        };
+        let [whole, until_horizon] = match meters {
+            None => [None, None],
+            Some(meters) => meters.map(|meter| meter.finish().ok()),
+        };
+        let run = Run::of(log, mode, &controller, outcome);
+        Ok(Run {
+            output: written.map(|path| path.display().to_string()),
+            until_horizon: until_horizon.map(|measured| {
+                CATALOGUE.iter().map(|m| (m.name, measured.metrics.get(m.name))).collect()
+            }),
+            realtime_factor: (elapsed_s > 0.0).then(|| run.duration_s / elapsed_s),
+            error,
+            status,
+            measured: whole,
+            ..run
+        })
+    }
+
+    /// Where a replay goes; each level of the ladder into a file of its own.
+    fn output_for(
+        &self,
+        log: &Path,
+        controller: &str,
+        mode: Mode,
+        output: &Path,
+        several: bool,
+    ) -> PathBuf {
+        match human_name(mode) {
+            Some(level) if self.how.human == HumanName::Ladder => {
+                logs::output_for(log, &format!("{controller}.{level}"), output, several)
+            }
+            _ => logs::output_for(log, controller, output, several),
+        }
+    }
+
+    fn status(&self, outcome: &Outcome, mode: Mode, interrupted: bool) -> Status {
+        if interrupted {
+            return Status::Impossible;
+        }
+        let recording_controller = self.controller == ControllerChoice::Recorded;
+        let should_be_identical = mode == Mode::Open && recording_controller;
+        if outcome.damage.is_some() || (should_be_identical && !outcome.identical_to_recorded) {
+            Status::Differs
+        } else {
+            Status::Done
+        }
+    }
+}
+
+fn human_name(mode: Mode) -> Option<&'static str> {
+    match mode {
+        Mode::Open => None,
+        Mode::Closed(person) => Some(person.name()),
+    }
+}
+
+/// The head of a replayed log: the recording's, with the controller that was replayed.
+pub fn replay_header(
+    recorded: &Header,
+    spec: &controller::Spec,
+    mode: Mode,
+    source_hash: String,
+) -> Header {
+    let run = RunInfo {
+        mode: mode.name().to_owned(),
+        driver: human_name(mode).map_or_else(|| recorded.run.driver.clone(), str::to_owned),
+        source_hash,
+        ..recorded.run.clone()
+    };
+    let period = Span::from_seconds(spec.params.control_period_s);
+    logs::header(spec, recorded.scenario.clone(), recorded.run.start, period, run)
+}
+
+/// A log being written, that knows its name when something goes wrong.
+pub struct Writing {
+    path: PathBuf,
+    log: LogWriter<BufWriter<File>>,
+}
+
+impl Writing {
+    pub fn begin(path: PathBuf, header: &Header) -> Result<Writing> {
+        let log = schemas::log::create(&path, header, &WriterOptions::offline())
+            .with_context(|| path.display().to_string())?;
+        Ok(Writing { path, log })
+    }
+
+    pub fn write(&mut self, event: &Stamped<Event>) -> Result<()> {
+        self.log.write(event).with_context(|| self.path.display().to_string())
+    }
+
+    pub fn finish(self) -> Result<PathBuf> {
+        self.log.finish().with_context(|| self.path.display().to_string())?;
+        Ok(self.path)
+    }
+}
