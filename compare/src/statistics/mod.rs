@@ -3,7 +3,8 @@
 //! Replay is deterministic, so the only uncertainty is over logs: which sessions happened to be
 //! recorded. Every quantity here is a paired difference per log, B − A.
 //!
-//! - [`bca`]: an interval for the mean difference, from resampling the logs;
+//! - [`bca`], [`bca_clustered`]: an interval for the mean difference, from resampling the logs, or
+//!   clusters of logs that belong together;
 //! - [`sign_flip()`]: how often chance alone would give so large a mean difference;
 //! - [`holm()`]: several such tests at once.
 
@@ -16,7 +17,7 @@ mod sign_flip;
 #[cfg(test)]
 mod tests;
 
-pub use bootstrap::{Interval, bca};
+pub use bootstrap::{Cluster, Interval, bca, bca_clustered};
 pub use generator::Generator;
 pub use holm::holm;
 pub use normal::{normal_cdf, normal_quantile};
