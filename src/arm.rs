@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow};
-use compare::{Diff, LogPair, Measured, Meter, Tolerances};
+use compare::{Diff, LevelPair, LogPair, Measured, Meter, Tolerances};
 use replay::{Gains, Mode, Recording, Replay};
 use schemas::log::LogReader;
 use schemas::{Event, Header, Stamped};
@@ -25,12 +25,17 @@ enum Arm {
 }
 
 impl Arm {
-    fn new(log: &Path, header: &Header, choice: &ControllerChoice, mode: Mode) -> Result<Arm> {
+    fn new(log: &Log<'_>, choice: &ControllerChoice, mode: Mode) -> Result<Arm> {
         if *choice == ControllerChoice::Recorded {
-            return Ok(Arm::Recorded(Box::new(logs::open_raw(log)?)));
+            return Ok(Arm::Recorded(Box::new(logs::open_raw(log.path)?)));
         }
-        let spec = choice.for_log(header)?;
-        Ok(Arm::Replayed(Replay::new(|| logs::open_raw(log), &spec, mode)?))
+        let spec = choice.for_log(&log.header)?;
+        Ok(Arm::Replayed(match (mode, &log.recording) {
+            (Mode::Closed(person), Some(recording)) => {
+                Replay::beside(logs::open_raw(log.path)?, recording, &spec, person)?
+            }
+            _ => Replay::new(|| logs::open_raw(log.path), &spec, mode)?,
+        }))
     }
 
     fn next_event(&mut self) -> Result<Option<Stamped<Event>>> {
@@ -70,24 +75,62 @@ pub fn gains(common: &Common, logs: &[PathBuf]) -> Gains {
     Gains::pooled(&recordings)
 }
 
-/// Both arms of one log, walked side by side: measured, and compared step by step.
+/// A log to be replayed into both arms.
+struct Log<'a> {
+    path: &'a Path,
+    header: Header,
+    /// The person, for closed loop: read once for all arms and levels.
+    recording: Option<Arc<Recording>>,
+}
+
+/// Both arms of one log, walked side by side: measured, and compared step by step; for each mode in
+/// turn, the levels of the ladder.
 pub fn pair(
-    log: &Path,
-    (a, b): (&ControllerChoice, &ControllerChoice),
-    mode: Mode,
+    path: &Path,
+    choices: (&ControllerChoice, &ControllerChoice),
+    modes: &[Mode],
 ) -> Result<LogPair> {
-    let header = logs::open(log)?.header().clone();
-    let mut pair = LogPair {
-        log: log.display().to_string(),
-        operator: header.run.operator.clone(),
-        scenario: Some(header.scenario.clone()),
-        a: Err(String::new()),
-        b: Err(String::new()),
-        diff: None,
-    };
-    let arms = (Arm::new(log, &header, a, mode), Arm::new(log, &header, b, mode));
-    let (arm_a, arm_b) = match arms {
-        (Ok(a), Ok(b)) => (a, b),
+    let header = logs::open(path)?.header().clone();
+    let closed = modes.iter().any(|mode| matches!(mode, Mode::Closed(_)));
+    // Whoever replays a log that cannot be read to its end reports that for each arm.
+    let recording = closed.then(|| Recording::read(logs::open_raw(path)?)).transpose();
+    let recording = recording.ok().flatten().map(Arc::new);
+    let log = Log { path, header, recording };
+    let levels = modes.iter().map(|mode| level(&log, choices, *mode)).collect();
+    Ok(LogPair {
+        log: path.display().to_string(),
+        operator: log.header.run.operator.clone(),
+        hash: logs::hash_file(path)?,
+        recorded: if closed { recorded_by(&log, choices.0)? } else { None },
+        scenario: Some(log.header.scenario),
+        levels,
+    })
+}
+
+/// What was recorded, where `choice` is the controller that recorded it.
+fn recorded_by(log: &Log<'_>, choice: &ControllerChoice) -> Result<Option<Measured>> {
+    let ControllerChoice::Version { .. } = choice else { return Ok(None) };
+    let Ok(spec) = choice.for_log(&log.header) else { return Ok(None) };
+    let params_hash = blake3::hash(spec.params_toml().as_bytes()).to_hex().to_string();
+    let run = &log.header.run;
+    let same = run.controller == spec.name && run.params_hash == params_hash;
+    same.then(|| crate::command::metrics::measure(log.path)).transpose()
+}
+
+/// Both arms of one log in one mode.
+fn level(log: &Log<'_>, (a, b): (&ControllerChoice, &ControllerChoice), mode: Mode) -> LevelPair {
+    let mut level = LevelPair::failed("");
+    if let Mode::Closed(person) = mode {
+        person.name().clone_into(&mut level.human);
+        level.estimates = person.is_estimate();
+    }
+    match (Arm::new(log, a, mode), Arm::new(log, b, mode)) {
+        (Ok(a), Ok(b)) => {
+            let (a, b, diff) = walk(&log.header, a, b);
+            let text = |result: Result<Measured>| result.map_err(|error| format!("{error:#}"));
+            (level.a, level.b) = (text(a), text(b));
+            level.diff = Some(diff.map_err(|error| format!("{error:#}")));
+        }
         (a, b) => {
             // One arm that cannot run leaves nothing to compare the other with.
             let why = |arm: Result<Arm>| {
@@ -96,15 +139,10 @@ pub fn pair(
                     |error| format!("{error:#}"),
                 ))
             };
-            (pair.a, pair.b) = (why(a), why(b));
-            return Ok(pair);
+            (level.a, level.b) = (why(a), why(b));
         }
-    };
-    let (a, b, diff) = walk(&header, arm_a, arm_b);
-    let text = |result: Result<Measured>| result.map_err(|error| format!("{error:#}"));
-    (pair.a, pair.b) = (text(a), text(b));
-    pair.diff = Some(diff.map_err(|error| format!("{error:#}")));
-    Ok(pair)
+    }
+    level
 }
 
 fn walk(header: &Header, a: Arm, b: Arm) -> (Result<Measured>, Result<Measured>, Result<Diff>) {

@@ -24,6 +24,9 @@ pub enum CompareError {
     /// A tolerance file that cannot be used.
     #[error("tolerance file: {0}")]
     Tolerance(String),
+    /// A gate file that cannot be used.
+    #[error("gate file: {0}")]
+    Gate(String),
     /// A golden file that cannot be used.
     #[error("golden file: {0}")]
     Golden(String),

@@ -27,8 +27,9 @@ pub mod statistics;
 mod synthetic;
 
 pub use comparison::{
-    Arm, Change, Comparison, Gate, LogPair, LogResult, LogStatus, MetricChange, Moment, Question,
-    Scene, Verdict, ViolationRecord, compare,
+    Arm, ArmInfo, Change, Comparison, Gate, GateFile, GateResult, Indication, LevelChange,
+    LevelPair, LevelResult, LogPair, LogResult, LogStatus, MetricChange, MetricGate, Moment,
+    ParameterChange, Provenance, Question, Scene, Verdict, ViolationRecord, compare,
 };
 pub use diff::{
     Compared, Diff, Differ, FieldDifference, FirstCause, Reading, Tolerance, Tolerances, diff,

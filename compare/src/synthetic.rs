@@ -165,6 +165,7 @@ pub(crate) fn question() -> crate::Question {
         b: "new".to_owned(),
         mode: "closed".to_owned(),
         human: Vec::new(),
+        ..crate::Question::default()
     }
 }
 
@@ -179,9 +180,15 @@ pub(crate) fn pair(log: &str, a: &Run, b: &Run) -> crate::LogPair {
     crate::LogPair {
         log: log.to_owned(),
         operator: String::new(),
+        hash: String::new(),
         scenario: Some(a.header.scenario.clone()),
-        a: Ok(a.measured()),
-        b: Ok(b.measured()),
-        diff: Some(diff.map_err(|error| error.to_string())),
+        recorded: None,
+        levels: vec![crate::LevelPair {
+            human: String::new(),
+            estimates: true,
+            a: Ok(a.measured()),
+            b: Ok(b.measured()),
+            diff: Some(diff.map_err(|error| error.to_string())),
+        }],
     }
 }

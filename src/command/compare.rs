@@ -1,10 +1,13 @@
 //! `tandem compare`: two controllers on the same recorded human behaviour.
 
 use std::collections::BTreeMap;
-use std::fs;
+use std::fs::{self, OpenOptions};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-use ::compare::{Comparison, LogPair, Question, Verdict, report};
+use ::compare::{
+    ArmInfo, Comparison, Gate, GateFile, LevelPair, LogPair, Provenance, Question, Verdict, report,
+};
 use anyhow::{Context as _, Result, bail};
 use clap::Args;
 use replay::Mode;
@@ -24,7 +27,12 @@ use crate::{arm, fleet, interrupt, logs, output};
 Example:
   tandem compare --a paper-kinematic --b tandem-kinematic logs/*.mcap --report report/
 
-Exit status: 0 better, worse or same; 1 failed; 3 undecided.")]
+In a pipeline:
+  tandem compare --a tandem-kinematic --b tandem-kinematic:candidate.toml fixtures/*/session.mcap \\
+      --gate gate.toml --report report/ --summary \"$GITHUB_STEP_SUMMARY\"
+
+Exit status: 0 better, worse or same; 1 failed; 3 undecided.
+With a gate: 0 passed, 1 failed, 3 undecided.")]
 pub struct Compare {
     /// The controller to compare with
     #[arg(long, value_name = "C")]
@@ -41,9 +49,15 @@ pub struct Compare {
     /// How the recorded person is brought back in closed loop
     #[arg(long, value_enum, default_value_t = HumanName::Playback)]
     pub human: HumanName,
-    /// Write the report into this folder: report.html, report.md, report.json
+    /// TOML file that says how much worse B may be; it then decides the exit status
+    #[arg(long, value_name = "FILE")]
+    pub gate: Option<PathBuf>,
+    /// Write the report into this folder: report.html, report.md, report.json, junit.xml, metrics.csv
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
+    /// Append the Markdown report to this file, for a step summary
+    #[arg(long, value_name = "FILE")]
+    pub summary: Option<PathBuf>,
 }
 
 impl Compare {
@@ -60,10 +74,18 @@ impl Compare {
         if interrupt::pressed() {
             return Ok(Status::Impossible);
         }
+        // A command that processed nothing has not found anything out, whatever the gate makes of it.
+        let nothing = comparison.failed_logs() == comparison.logs.len();
+        if let Some(gate) = comparison.gate.as_ref().filter(|_| !nothing) {
+            return Ok(match gate.outcome {
+                Gate::Pass | Gate::None => Status::Done,
+                Gate::Fail => Status::Differs,
+                Gate::Undecided => Status::Undecided,
+            });
+        }
         Ok(match comparison.verdict {
             Verdict::Better | Verdict::Worse | Verdict::Same => Status::Done,
-            // A command that processed nothing has not found anything out.
-            Verdict::Failed if comparison.failed_logs() == comparison.logs.len() => {
+            Verdict::Failed if nothing => {
                 let damaged =
                     |log: &PathBuf| schemas::log::inspect(log).is_ok_and(|l| l.damage.is_some());
                 if self.logs.iter().any(damaged) { Status::Differs } else { Status::Impossible }
@@ -75,24 +97,23 @@ impl Compare {
 
     /// Compares and writes the report, without telling; also the way in for `demo`.
     pub fn compare(&self, common: &Common) -> Result<Comparison> {
-        if self.human == HumanName::Ladder {
-            bail!(
-                "compare takes one level of the ladder at a time; `tandem replay --human ladder` runs all"
-            );
-        }
         let gains = if self.mode.needs_gains(self.human) {
             arm::gains(common, &self.logs)
         } else {
             replay::Gains::PRIOR
         };
-        let mode = self.mode.with(self.human, gains);
+        let modes = match self.mode {
+            ModeName::Open => vec![Mode::Open],
+            ModeName::Closed => self.human.levels(gains).into_iter().map(Mode::Closed).collect(),
+        };
         let reports = match &self.report {
             None => Vec::new(),
             Some(folder) => report_files(folder, common.force)?,
         };
+        let gate = self.gate.as_deref().map(read_gate).transpose()?;
         self.refuse_copies()?;
         let results = fleet::each(common, &self.logs, "comparing", |log| {
-            let pair = arm::pair(log, (&self.a, &self.b), mode)?;
+            let pair = arm::pair(log, (&self.a, &self.b), &modes)?;
             output::detail(common, || format!("{}: compared", pair.log));
             Ok(pair)
         });
@@ -104,21 +125,26 @@ impl Compare {
                 result.unwrap_or_else(|error| LogPair {
                     log: log.display().to_string(),
                     operator: String::new(),
+                    hash: String::new(),
                     scenario: None,
-                    a: Err(format!("{error:#}")),
-                    b: Err(format!("{error:#}")),
-                    diff: None,
+                    recorded: None,
+                    levels: vec![LevelPair::failed(&format!("{error:#}"))],
                 })
             })
             .collect();
         let question = Question {
             a: self.a.label().to_owned(),
             b: self.b.label().to_owned(),
-            mode: mode.name().to_owned(),
-            human: match mode {
-                Mode::Open => Vec::new(),
-                Mode::Closed(person) => vec![person.name().to_owned()],
-            },
+            mode: modes.first().map_or("closed", |mode| mode.name()).to_owned(),
+            human: modes
+                .iter()
+                .filter_map(|mode| match mode {
+                    Mode::Open => None,
+                    Mode::Closed(person) => Some(person.name().to_owned()),
+                })
+                .collect(),
+            provenance: self.provenance(),
+            gate,
         };
         let mut comparison = ::compare::compare(&question, pairs)?;
         comparison.report = reports.iter().map(|path| path.display().to_string()).collect();
@@ -126,15 +152,46 @@ impl Compare {
             let text = match path.extension().and_then(|extension| extension.to_str()) {
                 Some("html") => report::html(&comparison)?,
                 Some("md") => report::markdown(&comparison),
+                Some("xml") => report::junit(&comparison),
+                Some("csv") => report::csv(&comparison),
                 _ => report::json(&comparison)?,
             };
             fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+        }
+        if let Some(path) = &self.summary {
+            let name = || format!("cannot append to {}", path.display());
+            let mut file =
+                OpenOptions::new().create(true).append(true).open(path).with_context(name)?;
+            file.write_all(report::markdown(&comparison).as_bytes()).with_context(name)?;
         }
         Ok(comparison)
     }
 }
 
 impl Compare {
+    /// What runs this comparison, and the arms' parameters as they are on the first log that can be
+    /// read.
+    fn provenance(&self) -> Provenance {
+        let header = self.logs.iter().find_map(|log| Some(logs::open(log).ok()?.header().clone()));
+        let arm = |choice: &ControllerChoice| {
+            let header = header.as_ref()?;
+            let params_toml = match choice {
+                ControllerChoice::Recorded => header.params_toml.clone(),
+                ControllerChoice::Version { .. } => choice.for_log(header).ok()?.params_toml(),
+            };
+            let params_hash = blake3::hash(params_toml.as_bytes()).to_hex().to_string();
+            Some(ArmInfo { params_hash, params_toml })
+        };
+        Provenance {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: env!("TANDEM_COMMIT").to_owned(),
+            dirty: env!("TANDEM_DIRTY") == "true",
+            a: arm(&self.a).unwrap_or_default(),
+            b: arm(&self.b).unwrap_or_default(),
+            parameters: Vec::new(),
+        }
+    }
+
     /// Refuses the same recording twice: one person counted twice looks like more evidence.
     fn refuse_copies(&self) -> Result<()> {
         let mut seen = BTreeMap::new();
@@ -151,10 +208,20 @@ impl Compare {
     }
 }
 
+/// The gate that a file describes.
+fn read_gate(path: &Path) -> Result<GateFile> {
+    let text =
+        fs::read_to_string(path).with_context(|| format!("cannot read gate {}", path.display()))?;
+    GateFile::from_toml(&text).with_context(|| path.display().to_string())
+}
+
 /// The files of a report, checked before the work begins rather than after it.
 fn report_files(folder: &Path, force: bool) -> Result<Vec<PathBuf>> {
     let files: Vec<PathBuf> =
-        ["report.html", "report.md", "report.json"].iter().map(|name| folder.join(name)).collect();
+        ["report.html", "report.md", "report.json", "junit.xml", "metrics.csv"]
+            .iter()
+            .map(|name| folder.join(name))
+            .collect();
     for file in &files {
         logs::guard(file, force)?;
     }

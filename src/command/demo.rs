@@ -110,7 +110,9 @@ impl Demo {
                 logs,
                 mode: ModeName::Closed,
                 human: HumanName::Playback,
+                gate: None,
                 report: Some(folder.join(format!("report-{recorded_with}"))),
+                summary: None,
             };
             comparisons.push(ComparedLine { recorded_with, comparison: compare.compare(&quiet)? });
         }

@@ -97,6 +97,26 @@ impl Change {
     }
 }
 
+/// How the recorded person was brought back, and what that gave on one log.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LevelResult {
+    /// The level of the ladder: `playback`, `path`, `intent`, `fitted`.
+    pub human: String,
+    /// Whether it counts towards the estimate; a stress level does not.
+    pub estimates: bool,
+    /// Every metric of the catalogue.
+    pub metrics: BTreeMap<String, Change>,
+}
+
+/// Where one log points. One log is no evidence: what is said of it is never more than indicative.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Indication {
+    /// Primary metrics in which B does better at every level, by more than three floors.
+    pub better: Vec<String>,
+    /// Those in which it does worse likewise.
+    pub worse: Vec<String>,
+}
+
 /// One log of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LogResult {
@@ -111,8 +131,20 @@ pub struct LogResult {
     /// Until when the recorded person's input is to be believed, seconds; `None` where that was
     /// not determined.
     pub horizon_s: Option<f64>,
-    /// Every metric of the catalogue; empty for a failed log.
+    /// Logs of one cluster count as one piece of evidence.
+    pub cluster: String,
+    /// BLAKE3 of the log, in hexadecimal; empty where it was not taken.
+    pub hash: String,
+    /// Every metric of the catalogue, over the levels that estimate; empty for a failed log.
     pub metrics: BTreeMap<String, Change>,
+    /// The same at each level of the ladder, where there are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub levels: Vec<LevelResult>,
+    /// How far the simulated run of A is from the recorded one, where A recorded the log.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub floor: BTreeMap<String, f64>,
+    /// Where this log points; indicative only.
+    pub indicative: Indication,
     /// What differed first between the arms.
     pub first_cause: Option<FirstCause>,
 }
@@ -125,8 +157,50 @@ pub enum Gate {
     Pass,
     /// Beyond its margin.
     Fail,
+    /// The evidence does not suffice for either.
+    Undecided,
     /// No gate was set.
     None,
+}
+
+impl Gate {
+    /// The name in reports and machine-readable output.
+    pub fn name(self) -> &'static str {
+        match self {
+            Gate::Pass => "pass",
+            Gate::Fail => "fail",
+            Gate::Undecided => "undecided",
+            Gate::None => "none",
+        }
+    }
+}
+
+/// What the gate as a whole says.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct GateResult {
+    /// `pass` if everything passes, `fail` if anything fails.
+    pub outcome: Gate,
+    /// Why, a sentence for each thing that does not pass.
+    pub reasons: Vec<String>,
+}
+
+/// One metric at one level of the ladder, over all logs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LevelChange {
+    /// The level.
+    pub human: String,
+    /// Whether it counts towards the estimate.
+    pub estimates: bool,
+    /// Mean in A.
+    pub a: Option<f64>,
+    /// Mean in B.
+    pub b: Option<f64>,
+    /// Mean of B − A.
+    pub delta: Option<f64>,
+    /// 95 % interval of that mean.
+    pub ci: Option<Interval>,
+    /// In how many logs both arms have a value.
+    pub n: usize,
 }
 
 /// One metric over all logs.
@@ -148,7 +222,7 @@ pub struct MetricChange {
     pub b: Option<f64>,
     /// Mean of B − A.
     pub delta: Option<f64>,
-    /// 95 % interval of that mean over logs; `None` for fewer than two.
+    /// 95 % interval of that mean over clusters of logs; `None` for fewer than two.
     pub ci: Option<Interval>,
     /// Two-sided p-value of the paired randomisation test.
     pub p: Option<f64>,
@@ -161,11 +235,20 @@ pub struct MetricChange {
     /// Below this no change counts as real: the gap between model and plant; `None` where it was
     /// not measured.
     pub floor: Option<f64>,
+    /// How many clusters these logs are.
+    pub clusters: usize,
+    /// The same at each level of the ladder, where there are several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub levels: Vec<LevelChange>,
     /// Whether the change is beyond chance: the interval excludes 0, the p-value adjusted by Holm
-    /// over the group's primary metrics, or over its others, is at most 0.05, and the floor is exceeded.
+    /// over the group's primary metrics, or over its others, is at most 0.05, the floor is exceeded, and where there are several levels of the ladder each
+    /// level's interval lies on the same side of 0.
     pub decidable: bool,
     /// What the gate says.
     pub gate: Gate,
+    /// Why, where it does not pass.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub gate_reason: String,
 }
 
 /// One violation in one arm of one log.
@@ -185,21 +268,29 @@ pub struct ViolationRecord {
     pub depth_m: f64,
     /// |v| at the first sample, m/s.
     pub speed_mps: f64,
-    /// Whether it is held against B: A does nothing of the kind on this log.
+    /// The level of the ladder; empty where there is only one.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub human: String,
+    /// Whether it is held against B: at every level B does so on this log, and A does nothing of the
+    /// kind.
     pub new: bool,
+    /// The same at some levels only: possible, to be confirmed live.
+    pub possible: bool,
 }
 
 impl ViolationRecord {
-    pub(super) fn new(log: &str, arm: Arm, violation: &Violation, new: bool) -> ViolationRecord {
+    pub(super) fn new(log: &str, human: &str, arm: Arm, violation: &Violation) -> ViolationRecord {
         ViolationRecord {
             log: log.to_owned(),
+            human: human.to_owned(),
             t_s: violation.t_s,
             kind: violation.kind,
             arm,
             until_s: violation.until_s,
             depth_m: violation.depth_m,
             speed_mps: violation.speed_mps,
-            new,
+            new: false,
+            possible: false,
         }
     }
 }
@@ -236,6 +327,44 @@ pub struct Scene {
     pub b: Option<Track>,
 }
 
+/// What one arm ran.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ArmInfo {
+    /// BLAKE3 of its parameters on the first log, in hexadecimal.
+    pub params_hash: String,
+    /// All of them, as TOML.
+    #[serde(skip)]
+    pub params_toml: String,
+}
+
+/// A parameter that differs between the arms, as TOML writes its values.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct ParameterChange {
+    /// Its key.
+    pub key: String,
+    /// In A; `None` where A has no such parameter.
+    pub a: Option<String>,
+    /// In B.
+    pub b: Option<String>,
+}
+
+/// What made the comparison, and what was compared.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// Version of the program.
+    pub version: String,
+    /// Commit that it was built from; empty where that is not known.
+    pub commit: String,
+    /// Whether that build had uncommitted changes.
+    pub dirty: bool,
+    /// The first controller.
+    pub a: ArmInfo,
+    /// The second.
+    pub b: ArmInfo,
+    /// The parameters that differ between them, on the first log.
+    pub parameters: Vec<ParameterChange>,
+}
+
 /// Two controllers over the same logs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
@@ -251,6 +380,12 @@ pub struct Comparison {
     pub mode: String,
     /// How the recorded person was brought back; empty in open loop.
     pub human: Vec<String>,
+    /// What made this, and with which parameters.
+    pub provenance: Provenance,
+    /// What the gate says; `None` without one.
+    pub gate: Option<GateResult>,
+    /// What the logs are clustered by: `operator`, `scenario`, or `log`.
+    pub clustered_by: String,
     /// Every log that was asked for.
     pub logs: Vec<LogResult>,
     /// Every metric, in the order of the catalogue.

@@ -1,5 +1,8 @@
 //! Verdicts, violations, moments and what becomes of logs that fail.
 
+mod gate;
+mod ladder;
+
 use schemas::{Reason, Region};
 
 use super::{Arm, Comparison, LogPair, LogStatus, Question, Verdict, compare};
@@ -167,8 +170,8 @@ fn a_passive_contact_does_not_fail() {
 fn a_failed_log_fails_the_comparison_and_stays_in_it() {
     let mut logs = vec![pair("good", &run(0.3, 0.1), &run(0.3, 0.1))];
     let mut bad = pair("bad", &run(0.3, 0.1), &run(0.3, 0.1));
-    bad.b = Err("controller panicked at 3.2 s".to_owned());
-    bad.diff = None;
+    bad.levels[0].b = Err("controller panicked at 3.2 s".to_owned());
+    bad.levels[0].diff = None;
     logs.push(bad);
     let got = compare(&question(), logs).expect("there are logs");
     assert_eq!(got.verdict, Verdict::Failed);
@@ -185,7 +188,7 @@ fn a_failed_log_fails_the_comparison_and_stays_in_it() {
 fn a_log_that_was_not_diffed_is_a_failed_one() {
     for diff in [None, Some(Err("cannot read".to_owned()))] {
         let mut log = pair("log", &run(0.3, 0.1), &run(0.3, 0.1));
-        log.diff = diff;
+        log.levels[0].diff = diff;
         let got = compare(&question(), vec![log]).expect("there is a log");
         assert_eq!(got.verdict, Verdict::Failed);
     }

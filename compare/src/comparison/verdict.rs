@@ -17,7 +17,7 @@
 use super::result::{Comparison, LogStatus, MetricChange, Verdict};
 use crate::metrics::{Group, metric};
 use crate::report::{number, seconds, signed, with_unit};
-use crate::statistics::holm;
+use crate::statistics::{Interval, holm};
 
 /// Largest chance of a false call within a group of metrics.
 const ALPHA: f64 = 0.05;
@@ -33,12 +33,21 @@ pub(super) fn mark_decidable(metrics: &mut [MetricChange]) {
             .collect();
         let p: Vec<f64> = members.iter().map(|metric| metric.p.unwrap_or(1.0)).collect();
         for (metric, adjusted) in members.iter_mut().zip(holm(&p)) {
-            let excludes_zero = metric.ci.is_some_and(crate::statistics::Interval::excludes_zero);
+            let excludes_zero = metric.ci.is_some_and(Interval::excludes_zero);
             let floor = metric.floor.unwrap_or(0.0);
             let beyond_floor = metric.delta.is_some_and(|delta| libm::fabs(delta) > floor);
-            metric.decidable = excludes_zero && beyond_floor && adjusted <= ALPHA;
+            metric.decidable =
+                excludes_zero && beyond_floor && adjusted <= ALPHA && levels_agree(metric);
         }
     }
+}
+
+/// Whether every level of the ladder, where there are several, finds a change of the same sign.
+fn levels_agree(metric: &MetricChange) -> bool {
+    let up = |ci: Option<Interval>| ci.is_some_and(|ci| ci.low > 0.0);
+    let down = |ci: Option<Interval>| ci.is_some_and(|ci| ci.high < 0.0);
+    metric.levels.iter().all(|level| up(level.ci))
+        || metric.levels.iter().all(|level| down(level.ci))
 }
 
 /// The verdict and its reason. `all_same`: every log ran, and in none does anything differ that a
@@ -51,7 +60,9 @@ pub(super) fn verdict(comparison: &Comparison, all_same: bool) -> (Verdict, Stri
     let unchanged = comparison
         .logs
         .iter()
-        .flat_map(|log| &log.metrics)
+        .flat_map(|log| {
+            log.metrics.iter().chain(log.levels.iter().flat_map(|level| &level.metrics))
+        })
         .filter(|(name, _)| metric(name).is_some_and(|metric| metric.group.is_repeatable()))
         .all(|(_, change)| change.a == change.b);
     if all_same && unchanged {

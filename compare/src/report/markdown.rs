@@ -38,6 +38,24 @@ pub fn markdown(comparison: &Comparison) -> String {
     }
     text.push_str(".\n");
 
+    if !view.gate.is_empty() {
+        text.push_str("\n### Gate\n\n");
+        let mut rows = vec![["metric", "gate", "why"].map(str::to_owned).to_vec()];
+        rows.extend(
+            view.gate.iter().map(|g| vec![g.metric.clone(), g.gate.to_owned(), g.reason.clone()]),
+        );
+        text.push_str(&table(&[Left; 3], &rows));
+    }
+    if !view.levels.is_empty() {
+        text.push_str("\n### Levels of the ladder\n\n");
+        let head = ["metric", "human", "counts as", "A", "B", "B - A", "95 % interval"];
+        let mut rows = vec![head.map(str::to_owned).to_vec()];
+        rows.extend(view.levels.iter().map(|l| {
+            let counts = l.estimates.to_owned();
+            [&l.metric, &l.human, &counts, &l.a, &l.b, &l.delta, &l.ci].map(Clone::clone).to_vec()
+        }));
+        text.push_str(&table(&[Left, Left, Left, Right, Right, Right, Right], &rows));
+    }
     let (in_a, in_b, new) = view.violation_counts;
     let _ = writeln!(text, "\n### Violations: {in_a} in A, {in_b} in B, {new} held against B\n");
     if !view.violations.is_empty() {
@@ -45,7 +63,14 @@ pub fn markdown(comparison: &Comparison) -> String {
         let mut rows = vec![head.map(str::to_owned).to_vec()];
         rows.extend(view.violations.iter().take(MOST_ROWS).map(|v| {
             vec![
-                if v.new { "✕" } else { "" }.to_owned(),
+                if v.new {
+                    "✕"
+                } else if v.possible {
+                    "?"
+                } else {
+                    ""
+                }
+                .to_owned(),
                 v.arm.to_owned(),
                 v.log.clone(),
                 v.t.clone(),
@@ -69,13 +94,14 @@ pub fn markdown(comparison: &Comparison) -> String {
         text.push_str(&left_out(view.moments.len()));
     }
     text.push_str("\n### Logs\n\n");
-    let mut rows = vec![["log", "status", "first cause"].map(str::to_owned).to_vec()];
+    let head = ["log", "status", "indicative only", "first cause"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
     rows.extend(view.logs.iter().take(MOST_ROWS).map(|log| {
         let (status, what) =
             if log.failed { ("failed", &log.error) } else { ("ok", &log.first_cause) };
-        vec![log.log.clone(), status.to_owned(), what.clone()]
+        vec![log.log.clone(), status.to_owned(), log.indicative.clone(), what.clone()]
     }));
-    text.push_str(&table(&[Left; 3], &rows));
+    text.push_str(&table(&[Left; 4], &rows));
     text.push_str(&left_out(view.logs.len()));
     text
 }

@@ -1,12 +1,14 @@
-//! One result, shown: as text for a terminal, Markdown for a comment, JSON for a machine, and one
-//! offline HTML page.
+//! One result, shown: as text for a terminal, Markdown for a comment, JSON for a machine, `JUnit` XML
+//! for a pipeline, CSV for a spreadsheet, and one offline HTML page.
 //!
 //! Text, Markdown and the page are filled from the same table of cells (`View`), and JSON carries
 //! the numbers behind those cells, so that they cannot disagree.
 
+mod csv;
 mod diff_text;
 mod html;
 mod json;
+mod junit;
 mod map;
 mod markdown;
 mod metrics_text;
@@ -19,9 +21,11 @@ mod view;
 #[cfg(test)]
 mod tests;
 
+pub use csv::csv;
 pub use diff_text::diff_text;
 pub use html::html;
 pub use json::json;
+pub use junit::junit;
 pub use markdown::markdown;
 pub use metrics_text::{catalogue_text, metrics_text, summary_text};
 pub(crate) use number::seconds;

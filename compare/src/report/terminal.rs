@@ -19,9 +19,10 @@ const MOST_CAUSES: usize = 3;
 pub fn terminal(comparison: &Comparison) -> String {
     let view = View::new(comparison);
     let mut text = format!("{} {}: {}\n\n", view.mark, view.verdict, view.reason);
+    let width = view.facts.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     for (name, value) in &view.facts {
         // Writing to a String cannot fail, here and below.
-        let _ = writeln!(text, "{name:<6} {value}");
+        let _ = writeln!(text, "{name:<width$} {value}");
     }
     text.push('\n');
     text.push_str(&metrics(&view));
@@ -31,6 +32,8 @@ pub fn terminal(comparison: &Comparison) -> String {
     }
     text.push_str("▲ better  ▼ worse  ○ within chance (the interval and a test corrected for the number of metrics must both speak)  = no change\n\n");
 
+    text.push_str(&gate(&view));
+    text.push_str(&levels(&view));
     let (in_a, in_b, new) = view.violation_counts;
     let _ = writeln!(text, "violations: {in_a} in A, {in_b} in B, {new} held against B");
     text.push_str(&violations(&view.violations));
@@ -66,6 +69,33 @@ fn metrics(view: &View) -> String {
     columns(&METRIC_ALIGNS, &rows)
 }
 
+/// What the gate says of each metric.
+fn gate(view: &View) -> String {
+    if view.gate.is_empty() {
+        return String::new();
+    }
+    let rows: Vec<Vec<String>> =
+        view.gate.iter().map(|g| row(&["", &g.metric, g.gate, &g.reason])).collect();
+    format!("gate\n{}\n", columns(&[Align::Left; 4], &rows))
+}
+
+/// The primary metrics at each level of the ladder.
+fn levels(view: &View) -> String {
+    use Align::{Left, Right};
+    if view.levels.is_empty() {
+        return String::new();
+    }
+    let mut rows =
+        vec![row(&["", "metric", "human", "counts as", "A", "B", "B - A", "95 % interval"])];
+    rows.extend(
+        view.levels
+            .iter()
+            .map(|l| row(&["", &l.metric, &l.human, l.estimates, &l.a, &l.b, &l.delta, &l.ci])),
+    );
+    let aligns = [Left, Left, Left, Left, Right, Right, Right, Right];
+    format!("levels of the ladder\n{}\n", columns(&aligns, &rows))
+}
+
 fn violations(all: &[ViolationRow]) -> String {
     use Align::{Left, Right};
     let rows: Vec<Vec<String>> = all
@@ -73,7 +103,13 @@ fn violations(all: &[ViolationRow]) -> String {
         .take(MOST_ROWS)
         .map(|v| {
             row(&[
-                if v.new { "  ✕" } else { "   " },
+                if v.new {
+                    "  ✕"
+                } else if v.possible {
+                    "  ?"
+                } else {
+                    "   "
+                },
                 v.arm,
                 &v.log,
                 &v.t,

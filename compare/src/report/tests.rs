@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use schemas::{MovingDisc, Reason};
 
 use super::{
-    catalogue_text, diff_text, html, json, markdown, metrics_text, number, signed, terminal,
+    catalogue_text, csv, diff_text, html, json, junit, markdown, metrics_text, number, signed,
+    terminal,
 };
 use crate::synthetic::{Run, block, pair, question, scenario, task};
 use crate::{CATALOGUE, Comparison, LogPair, Verdict, compare};
@@ -51,7 +52,7 @@ fn arm(human_s: f64, closest_m: f64) -> Run {
 /// Two logs that went well, with a violation in A, and one that failed.
 fn comparison() -> Comparison {
     let mut failed = pair("fallen", &arm(1.0, 0.2), &arm(1.0, 0.2));
-    failed.b = Err("controller stopped answering".to_owned());
+    failed.levels[0].b = Err("controller stopped answering".to_owned());
     let logs = vec![
         pair("corridor", &arm(2.0, -0.04), &arm(1.0, 0.06)),
         pair("doorway", &arm(2.0, 0.123_456), &arm(1.5, 0.2)),
@@ -164,10 +165,146 @@ fn every_form_prints_the_same_numbers() {
     // There is something to agree on, with an interval and with decimals.
     assert!(want.len() >= 10, "{want:?}");
     assert!(want["min_clearance_m"][0].contains('.'));
-    assert!(want["override_m"][3].starts_with("[+"));
+    assert!(want["override_m"][3].starts_with('[') && want["override_m"][3].contains('.'));
     assert_eq!(from_terminal(&comparison), want);
     assert_eq!(from_markdown(&comparison), want);
     assert_eq!(from_page(&comparison), want);
+}
+
+/// Rows of CSV, as RFC 4180 reads them.
+fn csv_rows(text: &str) -> Vec<Vec<String>> {
+    let (mut rows, mut row, mut cell, mut quoted) = (Vec::new(), Vec::new(), String::new(), false);
+    let mut characters = text.chars().peekable();
+    while let Some(c) = characters.next() {
+        match (c, quoted) {
+            ('"', true) if characters.peek() == Some(&'"') => {
+                characters.next();
+                cell.push('"');
+            }
+            ('"', _) => quoted = !quoted,
+            (',', false) => row.push(std::mem::take(&mut cell)),
+            ('\r', false) => {}
+            ('\n', false) => {
+                row.push(std::mem::take(&mut cell));
+                rows.push(std::mem::take(&mut row));
+            }
+            (c, _) => cell.push(c),
+        }
+    }
+    rows
+}
+
+/// The value of an attribute of the first such element in a piece of XML.
+fn attribute<'a>(xml: &'a str, name: &str) -> &'a str {
+    xml.split_once(&format!(" {name}=\"")).expect(name).1.split('"').next().expect("ends")
+}
+
+#[test]
+fn per_log_numbers_agree_in_json_csv_and_junit() {
+    let comparison = comparison();
+    // Not by way of text: the reader of JSON rounds the last digit.
+    let value = serde_json::to_value(&comparison).expect("has a JSON form");
+    let rows = csv_rows(&csv(&comparison));
+    let column = |name: &str| rows[0].iter().position(|head| head == name).expect(name);
+    assert!(rows.iter().all(|row| row.len() == rows[0].len()));
+    let xml = junit(&comparison);
+    let cases: Vec<&str> = xml.split("<testcase").skip(1).collect();
+    let logs = value["logs"].as_array().expect("is a list");
+    assert_eq!(cases.len(), logs.len());
+    let mut compared = 0;
+    for (log, case) in logs.iter().zip(cases) {
+        let name = log["log"].as_str().expect("has a name");
+        assert_eq!(attribute(case, "name"), name);
+        assert_eq!(case.contains("<error"), log["status"] == "failed");
+        for (metric, change) in log["metrics"].as_object().expect("by name") {
+            let of = |key: &str| change[key].as_f64();
+            let row = rows
+                .iter()
+                .find(|row| row[column("log")] == name && row[column("metric")] == *metric)
+                .expect("has a row");
+            for key in ["a", "b", "delta"] {
+                assert_eq!(row[column(key)].parse().ok(), of(key), "{name} {metric} {key}");
+            }
+            let line = format!(
+                "{metric}: {}, {}, {}\n",
+                number(of("a")),
+                number(of("b")),
+                signed(of("delta"))
+            );
+            assert!(case.contains(&line), "{line} in {case}");
+            compared += 1;
+        }
+    }
+    assert_eq!(compared, 2 * CATALOGUE.len());
+    // The failed log is there too, with its reason.
+    let failed = rows.iter().find(|row| row[column("status")] == "failed").expect("has a row");
+    assert_eq!(failed[column("error")], "B: controller stopped answering");
+}
+
+/// Two levels, a gate, differing parameters: what every form says of them.
+#[test]
+fn every_form_tells_gate_levels_and_provenance() {
+    let gate = "[metrics.override_m]\nmargin = 0.01\n[metrics.min_clearance_m]\nlog_limit = 0.0\n\
+                [metrics.collisions]\nlog_limit = 0\n";
+    let mut question = question();
+    question.gate = Some(crate::GateFile::from_toml(gate).expect("sound"));
+    question.provenance = crate::Provenance {
+        version: "1.2.3".to_owned(),
+        commit: "0123456789abcdef".to_owned(),
+        dirty: true,
+        a: crate::ArmInfo { params_hash: "aaaa".repeat(8), params_toml: "g = 1.0".to_owned() },
+        b: crate::ArmInfo { params_hash: "bbbb".repeat(8), params_toml: "g = 2.0".to_owned() },
+        parameters: Vec::new(),
+    };
+    let mut log = pair("corridor", &arm(2.0, 0.05), &arm(1.0, 0.06));
+    let mut stressed = pair("corridor", &arm(2.0, 0.05), &arm(1.0, -0.05)).levels.remove(0);
+    (stressed.human, stressed.estimates) = ("playback".to_owned(), false);
+    log.levels[0].human = "fitted".to_owned();
+    log.levels.push(stressed);
+    let got = compare(&question, vec![log]).expect("engages");
+    let forms = [terminal(&got), markdown(&got), page(&got), junit(&got)];
+    for text in &forms {
+        for said in
+            ["g 1.0 in A, 2.0 in B", "aaaaaaaaaaaa in A", "1.2.3, 0123456789ab", "uncommitted"]
+        {
+            assert!(text.contains(said), "{said} in {text}");
+        }
+        // Too few logs for the margin; the limit holds; B collides in the stress level only.
+        assert!(text.contains("1 logs or clusters, 8 required"), "{text}");
+        assert!(text.contains("1 at some levels only: confirm live"), "{text}");
+    }
+    assert_eq!(got.gate.as_ref().map(|gate| gate.outcome), Some(crate::Gate::Undecided));
+    for text in &forms[..2] {
+        assert!(text.contains("playback") && text.contains("stress"));
+    }
+    let xml = &forms[3];
+    assert!(
+        xml.contains("<testcase classname=\"gate\" name=\"collisions\">\n</testcase>"),
+        "{xml}"
+    );
+    assert_eq!(xml.matches("<skipped").count(), 1);
+    assert_eq!(attribute(xml, "tests"), "4");
+    // Each level's numbers are in the JSON and in the CSV.
+    let text = csv(&got);
+    let rows = csv_rows(&text);
+    let clearance = |level: &str| {
+        let row = rows.iter().find(|row| row[6] == level && row[7] == "min_clearance_m");
+        row.expect("has a row")[11].parse::<f64>().expect("a number")
+    };
+    assert_eq!((clearance(""), clearance("fitted"), clearance("playback")), (0.06, 0.06, -0.05));
+}
+
+/// Names from outside stay text in XML and in CSV.
+#[test]
+fn xml_and_csv_escape_what_comes_from_outside() {
+    let evil = "a,\"b\"<c>&'d'\n\u{1}";
+    let got = compare(&question(), vec![pair(evil, &arm(2.0, -0.1), &arm(1.0, -0.2))]);
+    let got = got.expect("engages");
+    let xml = junit(&got);
+    assert!(xml.contains("name=\"a,&quot;b&quot;&lt;c&gt;&amp;&apos;d&apos;\n?\""), "{xml}");
+    let text = csv(&got);
+    let rows = csv_rows(&text);
+    assert!(rows.iter().skip(1).all(|row| row[0] == evil && row.len() == rows[0].len()));
 }
 
 #[test]
@@ -193,7 +330,7 @@ fn the_page_escapes_what_comes_from_outside() {
     question.a = evil.to_owned();
     question.human = vec![evil.to_owned()];
     let mut failed = pair(&format!("{evil}2"), &arm(1.0, 0.2), &arm(1.0, 0.2));
-    failed.a = Err(evil.to_owned());
+    failed.levels[0].a = Err(evil.to_owned());
     let log = LogPair { operator: evil.to_owned(), ..pair(evil, &arm(2.0, -0.1), &arm(1.0, -0.2)) };
     let comparison = compare(&question, vec![log, failed]).expect("the controllers engage");
     let text = page(&comparison);
@@ -215,7 +352,7 @@ fn markdown_cells_stay_in_their_cells() {
     for line in text.lines().filter(|line| line.starts_with('|')) {
         // Columns are what unescaped bars make.
         let bars = line.replace("\\|", "").matches('|').count();
-        assert!([4, 7, 9, 11].contains(&bars), "{line}");
+        assert!([5, 7, 9, 11].contains(&bars), "{line}");
     }
     assert!(!text.contains("<img>"));
     assert!(text.contains("\\`d\\` \\*e\\* \\[f\\](g) run_1"));
@@ -282,7 +419,9 @@ fn the_diff_text_is_as_reviewed() {
     ];
     let texts: Vec<String> = logs
         .iter()
-        .map(|log| diff_text(log.diff.as_ref().expect("compared").as_ref().expect("has steps")))
+        .map(|log| {
+            diff_text(log.levels[0].diff.as_ref().expect("compared").as_ref().expect("has steps"))
+        })
         .collect();
     insta::assert_snapshot!(texts.join("\n"));
 }

@@ -6,8 +6,11 @@ use serde::Serialize;
 
 use super::number::{number, seconds, signed, with_unit};
 use super::table::Align;
-use crate::comparison::{Arm, Comparison, LogStatus, MetricChange, Moment, ViolationRecord};
+use crate::comparison::{
+    Arm, Comparison, Gate, Indication, LogStatus, MetricChange, Moment, ViolationRecord,
+};
 use crate::metrics::metric;
+use crate::statistics::Interval;
 
 /// How many moments of each metric a summary lists.
 const STRONGEST_PER_METRIC: usize = 3;
@@ -29,6 +32,30 @@ pub(super) struct View {
     /// The strongest ones over all logs.
     pub(super) moments: Vec<MomentRow>,
     pub(super) logs: Vec<LogRow>,
+    /// What the gate says of each metric that it looks at; empty without a gate.
+    pub(super) gate: Vec<GateRow>,
+    /// Each level of the ladder, where there are several: the primary metrics.
+    pub(super) levels: Vec<LevelRow>,
+}
+
+/// One gated metric.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct GateRow {
+    pub(super) metric: String,
+    pub(super) gate: &'static str,
+    pub(super) reason: String,
+}
+
+/// One metric at one level of the ladder.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct LevelRow {
+    pub(super) metric: String,
+    pub(super) human: String,
+    pub(super) estimates: &'static str,
+    pub(super) a: String,
+    pub(super) b: String,
+    pub(super) delta: String,
+    pub(super) ci: String,
 }
 
 /// One metric over all logs.
@@ -62,6 +89,8 @@ pub(super) struct ViolationRow {
     pub(super) depth: String,
     pub(super) speed: String,
     pub(super) new: bool,
+    /// Whether only some levels of the ladder show it.
+    pub(super) possible: bool,
 }
 
 /// One moment.
@@ -84,6 +113,8 @@ pub(super) struct LogRow {
     pub(super) operator: String,
     pub(super) horizon: String,
     pub(super) first_cause: String,
+    /// What this log points at; empty where at nothing.
+    pub(super) indicative: String,
     pub(super) metrics: Vec<LogMetricRow>,
     pub(super) moments: Vec<MomentRow>,
 }
@@ -136,6 +167,8 @@ impl View {
             violation_counts: (of(Arm::A), of(Arm::B), violations.iter().filter(|v| v.new).count()),
             moments: strongest(comparison).into_iter().map(moment_row).collect(),
             logs: log_rows(comparison),
+            gate: gate_rows(comparison),
+            levels: level_rows(comparison),
         }
     }
 
@@ -165,7 +198,90 @@ fn facts(comparison: &Comparison) -> Vec<(&'static str, String)> {
         "logs",
         if failed > 0 { format!("{logs}, of which {failed} failed") } else { logs.to_string() },
     ));
+    facts.extend(more_facts(comparison));
     facts
+}
+
+/// The controllers' parameters, the program, the evidence, the gate.
+fn more_facts(comparison: &Comparison) -> Vec<(&'static str, String)> {
+    let made_by = &comparison.provenance;
+    let mut facts = Vec::new();
+    let changes: Vec<String> = made_by
+        .parameters
+        .iter()
+        .map(|change| {
+            let of = |value: &Option<String>| value.clone().unwrap_or_else(|| "none".to_owned());
+            format!("{} {} in A, {} in B", change.key, of(&change.a), of(&change.b))
+        })
+        .collect();
+    let hash = |hash: &str| hash.get(..12).unwrap_or(hash).to_owned();
+    if !made_by.a.params_hash.is_empty() {
+        let differ = if changes.is_empty() { "none".to_owned() } else { changes.join("; ") };
+        facts.push(("parameters that differ", differ));
+        let hashes =
+            format!("{} in A, {} in B", hash(&made_by.a.params_hash), hash(&made_by.b.params_hash));
+        facts.push(("parameter hashes", hashes));
+    }
+    if !made_by.version.is_empty() {
+        let commit =
+            if made_by.commit.is_empty() { "unknown commit" } else { &hash(&made_by.commit) };
+        let dirty = if made_by.dirty { ", with uncommitted changes" } else { "" };
+        facts.push(("program", format!("{}, {commit}{dirty}", made_by.version)));
+    }
+    if comparison.clustered_by != "log" {
+        facts.push(("clustered by", comparison.clustered_by.clone()));
+    }
+    let possible = comparison.violations.iter().filter(|v| v.possible).count();
+    if possible > 0 {
+        let text = format!("{possible} at some levels only: confirm live");
+        facts.push(("possible violations of B", text));
+    }
+    if let Some(gate) = &comparison.gate {
+        let mut text = gate.outcome.name().to_owned();
+        if !gate.reasons.is_empty() {
+            let _ = write!(text, ": {}", gate.reasons.join("; "));
+        }
+        facts.push(("gate", text));
+    }
+    facts
+}
+
+fn gate_rows(comparison: &Comparison) -> Vec<GateRow> {
+    let gated = comparison.metrics.iter().filter(|metric| metric.gate != Gate::None);
+    gated
+        .map(|metric| GateRow {
+            metric: metric.name.clone(),
+            gate: metric.gate.name(),
+            reason: metric.gate_reason.clone(),
+        })
+        .collect()
+}
+
+fn level_rows(comparison: &Comparison) -> Vec<LevelRow> {
+    let rows = |metric: &MetricChange| {
+        metric
+            .levels
+            .iter()
+            .filter(|level| level.n > 0)
+            .map(|level| LevelRow {
+                metric: metric.name.clone(),
+                human: level.human.clone(),
+                estimates: if level.estimates { "estimate" } else { "stress" },
+                a: number(level.a),
+                b: number(level.b),
+                delta: signed(level.delta),
+                ci: interval(level.ci),
+            })
+            .collect::<Vec<_>>()
+    };
+    comparison.metrics.iter().filter(|metric| metric.primary).flat_map(rows).collect()
+}
+
+fn interval(ci: Option<Interval>) -> String {
+    ci.map_or_else(
+        || number(None),
+        |ci| format!("[{}, {}]", signed(Some(ci.low)), signed(Some(ci.high))),
+    )
 }
 
 fn metric_row(change: &MetricChange) -> MetricRow {
@@ -188,10 +304,7 @@ fn metric_row(change: &MetricChange) -> MetricRow {
         a: number(change.a),
         b: number(change.b),
         delta: signed(change.delta),
-        ci: change.ci.map_or_else(
-            || number(None),
-            |ci| format!("[{}, {}]", signed(Some(ci.low)), signed(Some(ci.high))),
-        ),
+        ci: interval(change.ci),
         p: number(change.p),
         n,
         mark,
@@ -220,6 +333,7 @@ fn violation_row(violation: &ViolationRecord) -> ViolationRow {
         depth: with_unit(&number(Some(violation.depth_m)), "m"),
         speed: with_unit(&number(Some(violation.speed_mps)), "m/s"),
         new: violation.new,
+        possible: violation.possible,
     }
 }
 
@@ -260,6 +374,15 @@ fn moment_row(moment: &Moment) -> MomentRow {
     }
 }
 
+/// `better in override_m; worse in min_clearance_m`; empty for nothing.
+fn indicative(indication: &Indication) -> String {
+    let of = |what: &str, names: &[String]| {
+        (!names.is_empty()).then(|| format!("{what} in {}", names.join(", ")))
+    };
+    let parts = [of("better", &indication.better), of("worse", &indication.worse)];
+    parts.into_iter().flatten().collect::<Vec<_>>().join("; ")
+}
+
 fn log_rows(comparison: &Comparison) -> Vec<LogRow> {
     comparison
         .logs
@@ -275,6 +398,7 @@ fn log_rows(comparison: &Comparison) -> Vec<LogRow> {
                 (None, LogStatus::Ok) => "A and B agree throughout".to_owned(),
                 (None, LogStatus::Failed) => String::new(),
             },
+            indicative: indicative(&log.indicative),
             metrics: comparison
                 .metrics
                 .iter()
