@@ -35,10 +35,14 @@ pub use sample::{
     EncoderSample, ExactPose, ImuSample, JoystickSample, Sample, SonarEcho, SonarScan,
 };
 pub use scenario::{
-    Driver, EncoderNoise, GoalDriver, ImuNoise, JoystickNoise, Noise, Overrides, Person, Plant,
-    Robot, Scenario, ScenarioError, SensorSuite, SonarNoise, Start, Stroke, Task,
+    Driver, EncoderNoise, GoalDriver, GyroBiasStep, ImuNoise, JoystickNoise, Noise, Overrides,
+    Person, Plant, Robot, Scenario, ScenarioError, SensorSuite, SlipBurst, SonarNoise, Start,
+    Stroke, Task,
 };
-pub use step::{Field, FrameSource, LawBranch, Node, Reason, ReferenceSource, Region, Step, Value};
+pub use step::{
+    EstimatorStatus, Field, FrameSource, LawBranch, Node, Reason, ReferenceSource, Region, Step,
+    Value,
+};
 pub use time::{NS_PER_S, SIMULATION_EPOCH, Span, Stamped, Time};
 pub use timing::Timing;
 pub use truth::{Disc, Truth};

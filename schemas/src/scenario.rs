@@ -216,6 +216,19 @@ pub struct ImuNoise {
     pub accel_sigma_mps2: f64,
     /// Standard deviation of a magnetic field component, microtesla.
     pub mag_sigma_ut: f64,
+    /// From a certain moment on the gyro is wrong by more; absent: it is not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub gyro_bias_step: Option<GyroBiasStep>,
+}
+
+/// A sudden change of the gyro's constant error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GyroBiasStep {
+    /// When, seconds from the start of the session.
+    pub at_s: f64,
+    /// What is added to the turn rate about z from then on, rad/s.
+    pub by_radps: f64,
 }
 
 impl Default for ImuNoise {
@@ -225,6 +238,7 @@ impl Default for ImuNoise {
             gyro_bias_radps: 0.01,
             accel_sigma_mps2: 0.05,
             mag_sigma_ut: 0.5,
+            gyro_bias_step: None,
         }
     }
 }
@@ -237,11 +251,38 @@ pub struct EncoderNoise {
     pub speed_fraction: f64,
     /// Length of one encoder tick, metres; 0 for none.
     pub tick_m: f64,
+    /// A while in which the wheels spin; absent: they do not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub slip_burst: Option<SlipBurst>,
+    /// From when on the left counter stands still, seconds from the start; absent: it does not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub left_dead_from_s: Option<f64>,
+    /// The same of the right counter.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub right_dead_from_s: Option<f64>,
+}
+
+/// A while in which the wheels turn more than the robot moves, as on a wet spot.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SlipBurst {
+    /// When it begins, seconds from the start of the session.
+    pub from_s: f64,
+    /// When it ends.
+    pub until_s: f64,
+    /// Share of the wheels' travel that is lost, on top of the plant's slip.
+    pub slip: f64,
 }
 
 impl Default for EncoderNoise {
     fn default() -> Self {
-        EncoderNoise { speed_fraction: 0.01, tick_m: 0.001 }
+        EncoderNoise {
+            speed_fraction: 0.01,
+            tick_m: 0.001,
+            slip_burst: None,
+            left_dead_from_s: None,
+            right_dead_from_s: None,
+        }
     }
 }
 

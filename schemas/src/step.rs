@@ -306,6 +306,30 @@ names! {
     }
 }
 
+names! {
+    /// How the estimator fares. Where several things are true, the one that tells most.
+    EstimatorStatus {
+        /// Encoders and gyro agree.
+        Ok = "ok",
+        /// The wheels turn as the robot does not: their samples are turned away.
+        Slip = "slip",
+        /// The left counter stands while the right one and the gyro say that it should not.
+        EncoderLeftDead = "encoder_left_dead",
+        /// The same the other way round.
+        EncoderRightDead = "encoder_right_dead",
+        /// The gyro is silent: the wheels give the heading.
+        GyroMissing = "gyro_missing",
+        /// The encoders are silent.
+        EncodersMissing = "encoders_missing",
+        /// The gyro's bias has changed and is being learnt again.
+        GyroBias = "gyro_bias",
+        /// A turn rate was turned away.
+        GyroRejected = "gyro_rejected",
+        /// Samples were turned away for so long that the filter believes them again.
+        Recovering = "recovering",
+    }
+}
+
 macro_rules! step {
     ($($node:ident { $($(#[$doc:meta])+ $name:ident: $type:ty, $unit:literal;)* })*) => {
         /// One step of the controller: what it was given, what it made of it, what it commanded.
@@ -396,6 +420,9 @@ impl Unknown for ReferenceSource {
 impl Unknown for LawBranch {
     const UNKNOWN: LawBranch = LawBranch::Unspecified;
 }
+impl Unknown for EstimatorStatus {
+    const UNKNOWN: EstimatorStatus = EstimatorStatus::Unspecified;
+}
 impl Unknown for Reason {
     const UNKNOWN: Reason = Reason::Unspecified;
 }
@@ -422,6 +449,30 @@ step! {
         omega_radps: f64, "rad/s";
         /// Age of the newest odometry.
         odometry_age_s: f64, "s";
+        /// Roll by the attitude filter; with sonars only, like all that follows here.
+        roll_rad: f64, "rad";
+        /// Pitch by the attitude filter, positive nose down.
+        pitch_rad: f64, "rad";
+        /// Heading by the attitude filter, from magnetic north where a field is measured.
+        yaw_rad: f64, "rad";
+        /// Standard deviation of the estimated x.
+        sigma_x_m: f64, "m";
+        /// Standard deviation of the estimated y.
+        sigma_y_m: f64, "m";
+        /// Standard deviation of the estimated heading.
+        sigma_theta_rad: f64, "rad";
+        /// The gyro's constant error, as learnt so far.
+        gyro_bias_radps: f64, "rad/s";
+        /// Normalised innovation squared of the newest encoder sample.
+        encoder_innovation: f64, "";
+        /// Normalised innovation squared of the newest turn rate.
+        gyro_innovation: f64, "";
+        /// Encoder samples turned away since the start.
+        encoders_rejected: i32, "";
+        /// Turn rates turned away since the start.
+        gyro_rejected: i32, "";
+        /// How the estimator fares.
+        estimator_status: EstimatorStatus, "";
     }
     Distances {
         /// Where ψ came from.

@@ -103,8 +103,19 @@ fn numbers_carry_their_unit_in_their_name() {
     // What the vocabulary promises: a quantity says in its name what it is measured in. Symbols of
     // the law without a unit, and those whose unit depends on the law, are listed here.
     let units = ["_m", "_mps", "_mps2", "_rad", "_radps", "_radps2", "_s", "_ns", "_ut"];
-    let without =
-        ["z1", "z2", "k", "danger", "lyapunov", "u_f", "u_h", "u_s", "u_s_before_projection"];
+    let without = [
+        "z1",
+        "z2",
+        "k",
+        "danger",
+        "lyapunov",
+        "u_f",
+        "u_h",
+        "u_s",
+        "u_s_before_projection",
+        "encoder_innovation",
+        "gyro_innovation",
+    ];
     for file in files() {
         for message in &file.message_type {
             for field in message.field.iter().filter(|field| field.r#type() == Type::Double) {

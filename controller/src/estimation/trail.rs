@@ -15,8 +15,6 @@ const KNOTS: usize = 128;
 struct Knot {
     at: Time,
     pose: Pose,
-    /// The path that led there from the anchor of then, driven at unit speed, seconds.
-    path_s: [f64; 2],
 }
 
 /// The newest poses, in order of time.
@@ -31,13 +29,13 @@ impl Trail {
     }
 
     /// Adds the pose at `at`, which is not before the newest knot; at the same instant it replaces it.
-    pub(super) fn push(&mut self, at: Time, pose: Pose, path_s: [f64; 2]) {
+    pub(super) fn push(&mut self, at: Time, pose: Pose) {
         if self.knots.back().is_some_and(|newest| newest.at == at) {
             self.knots.pop_back();
         } else if self.knots.len() == KNOTS {
             self.knots.pop_front();
         }
-        self.knots.push_back(Knot { at, pose, path_s });
+        self.knots.push_back(Knot { at, pose });
     }
 
     /// Forgets everything.
@@ -52,13 +50,16 @@ impl Trail {
         }
     }
 
-    /// Puts every knot after `since` where its path leads from `anchor_m` at `v_mps`. There the path
-    /// ends: the next one starts at the newest knot.
-    pub(super) fn settle(&mut self, since: Time, anchor_m: [f64; 2], v_mps: f64) {
+    /// The pose of the newest knot turned out to be off by `by`: moves every knot after `since` by its
+    /// share of that, as if the error had grown evenly.
+    pub(super) fn settle(&mut self, since: Time, by: Pose) {
+        let Some(newest) = self.knots.back().map(|newest| newest.at) else { return };
+        let whole_s = newest.seconds_since(since);
         for knot in self.knots.iter_mut().rev().take_while(|knot| knot.at > since) {
-            knot.pose.x_m = anchor_m[0] + v_mps * knot.path_s[0];
-            knot.pose.y_m = anchor_m[1] + v_mps * knot.path_s[1];
-            knot.path_s = [0.0; 2];
+            let share = knot.at.seconds_since(since) / whole_s;
+            knot.pose.x_m += share * by.x_m;
+            knot.pose.y_m += share * by.y_m;
+            knot.pose.theta_rad += share * by.theta_rad;
         }
     }
 
@@ -88,7 +89,6 @@ impl Trail {
         for knot in &self.knots {
             digest.time(knot.at, start);
             digest.pose(&knot.pose);
-            digest.numbers(&knot.path_s);
         }
     }
 }
@@ -107,7 +107,7 @@ mod tests {
         let mut trail = Trail::new();
         assert_eq!(trail.pose_at(Time(0)), None);
         for i in 0..1000_u64 {
-            trail.push(Time(10 * i), pose(i as f64), [0.0; 2]);
+            trail.push(Time(10 * i), pose(i as f64));
         }
         assert_eq!(trail.pose_at(Time(9990)), Some(pose(999.0)));
         assert_eq!(trail.pose_at(Time(9991)), None);
@@ -120,25 +120,24 @@ mod tests {
     #[test]
     fn the_same_instant_is_replaced() {
         let mut trail = Trail::new();
-        trail.push(Time(0), pose(0.0), [0.0; 2]);
-        trail.push(Time(10), pose(1.0), [0.0; 2]);
-        trail.push(Time(10), pose(2.0), [0.0; 2]);
+        trail.push(Time(0), pose(0.0));
+        trail.push(Time(10), pose(1.0));
+        trail.push(Time(10), pose(2.0));
         assert_eq!(trail.pose_at(Time(5)), Some(pose(1.0)));
     }
 
-    /// Two samples after the anchor, whose paths are 10 and 20 ms long, turn out to have been driven
-    /// at 0.5 m/s from (3, 0); what was before stays.
+    /// Ten and twenty milliseconds after the instant up to which all is known, the pose turns out to
+    /// be off by 4 cm and 0.2 rad: half of it and all of it are made good; what was before stays.
     #[test]
-    fn knots_move_to_where_their_path_leads() {
+    fn knots_move_by_their_share() {
         let mut trail = Trail::new();
         for i in 0..4_u64 {
-            let path_s = if i < 2 { [0.0; 2] } else { [0.0, 0.01 * (i - 1) as f64] };
-            trail.push(Time(10 * i), pose(0.0), path_s);
+            trail.push(Time(10 * i), pose(1.0));
         }
-        trail.settle(Time(10), [3.0, 0.0], 0.5);
-        assert_eq!(trail.pose_at(Time(10)), Some(pose(0.0)));
-        let position = |at| trail.pose_at(at).map(|pose| pose.position_m());
-        assert_eq!(position(Time(20)), Some([3.0, 0.005]));
-        assert_eq!(position(Time(30)), Some([3.0, 0.01]));
+        trail.settle(Time(10), Pose { x_m: 0.04, y_m: 0.0, theta_rad: -0.2 });
+        assert_eq!(trail.pose_at(Time(10)), Some(pose(1.0)));
+        let at = |t| trail.pose_at(Time(t)).expect("it is recent");
+        assert_eq!((at(20).x_m, at(20).y_m, at(20).theta_rad), (1.02, -1.0, 1.9));
+        assert_eq!((at(30).x_m, at(30).y_m, at(30).theta_rad), (1.04, -1.0, 1.8));
     }
 }

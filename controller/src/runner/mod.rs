@@ -108,6 +108,16 @@ impl Runner {
         step.v_mps = estimate.v_mps;
         step.omega_radps = estimate.omega_radps;
         step.odometry_age_s = odometry_age_s;
+        if let Some(report) = self.senses.report(now) {
+            [step.roll_rad, step.pitch_rad, step.yaw_rad] = report.attitude_rad;
+            [step.sigma_x_m, step.sigma_y_m, step.sigma_theta_rad] = report.sigma;
+            step.gyro_bias_radps = report.gyro_bias_radps;
+            step.encoder_innovation = report.encoder_innovation;
+            step.gyro_innovation = report.gyro_innovation;
+            step.encoders_rejected = report.encoders_rejected;
+            step.gyro_rejected = report.gyro_rejected;
+            step.estimator_status = report.status;
+        }
         step.input_hash = self.input_hash(now, request.age_s, odometry_age_s);
 
         let t_s = now.seconds_since(self.setup.start);

@@ -8,7 +8,7 @@
 use schemas::{ExactPose, Pose, Sample, Scenario, SensorSuite, Time, World};
 
 use crate::digest::Digest;
-use crate::estimation::{Estimate, Odometry};
+use crate::estimation::{Estimate, Odometry, Report};
 use crate::params::Params;
 use crate::perception::echo_map::{EchoMap, EchoMapSettings, LimitingEcho};
 
@@ -81,6 +81,14 @@ impl Senses {
                 )
             }
             Senses::Sonar(sonar) => sonar.odometry.estimate(),
+        }
+    }
+
+    /// What the estimator says about itself at `now`; nothing where the pose is exact.
+    pub(super) fn report(&self, now: Time) -> Option<Report> {
+        match self {
+            Senses::Exact(_) => None,
+            Senses::Sonar(sonar) => Some(sonar.odometry.report(now)),
         }
     }
 

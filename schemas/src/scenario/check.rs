@@ -1,8 +1,8 @@
 //! Whether a scenario's numbers make sense: each table's keys with what they may be.
 
 use super::{
-    Driver, EncoderNoise, GoalDriver, ImuNoise, JoystickNoise, Noise, Person, Plant, Robot,
-    Scenario, ScenarioError, SonarNoise, Start, Stroke, Task,
+    Driver, EncoderNoise, GoalDriver, GyroBiasStep, ImuNoise, JoystickNoise, Noise, Person, Plant,
+    Robot, Scenario, ScenarioError, SlipBurst, SonarNoise, Start, Stroke, Task,
 };
 use crate::{Footprint, Pose};
 
@@ -139,23 +139,10 @@ impl Noise {
             );
         }
         if let Some(imu) = imu {
-            check!(
-                "noise.imu",
-                imu,
-                ImuNoise {
-                    gyro_sigma_radps: NOT_NEGATIVE,
-                    gyro_bias_radps: FINITE,
-                    accel_sigma_mps2: NOT_NEGATIVE,
-                    mag_sigma_ut: NOT_NEGATIVE,
-                }
-            );
+            imu.check()?;
         }
         if let Some(encoders) = encoders {
-            check!(
-                "noise.encoders",
-                encoders,
-                EncoderNoise { speed_fraction: NOT_NEGATIVE, tick_m: NOT_NEGATIVE }
-            );
+            encoders.check()?;
         }
         if let Some(joystick) = joystick {
             check!(
@@ -163,6 +150,59 @@ impl Noise {
                 joystick,
                 JoystickNoise { v_sigma_mps: NOT_NEGATIVE, omega_sigma_radps: NOT_NEGATIVE }
             );
+        }
+        Ok(())
+    }
+}
+
+impl ImuNoise {
+    fn check(&self) -> Result<(), ScenarioError> {
+        let ImuNoise {
+            gyro_sigma_radps,
+            gyro_bias_radps,
+            accel_sigma_mps2,
+            mag_sigma_ut,
+            gyro_bias_step,
+        } = self;
+        NOT_NEGATIVE.check("noise.imu", "gyro_sigma_radps", *gyro_sigma_radps)?;
+        FINITE.check("noise.imu", "gyro_bias_radps", *gyro_bias_radps)?;
+        NOT_NEGATIVE.check("noise.imu", "accel_sigma_mps2", *accel_sigma_mps2)?;
+        NOT_NEGATIVE.check("noise.imu", "mag_sigma_ut", *mag_sigma_ut)?;
+        if let Some(step) = gyro_bias_step {
+            check!(
+                "noise.imu.gyro_bias_step",
+                step,
+                GyroBiasStep { at_s: NOT_NEGATIVE, by_radps: FINITE }
+            );
+        }
+        Ok(())
+    }
+}
+
+impl EncoderNoise {
+    fn check(&self) -> Result<(), ScenarioError> {
+        let EncoderNoise {
+            speed_fraction,
+            tick_m,
+            slip_burst,
+            left_dead_from_s,
+            right_dead_from_s,
+        } = self;
+        NOT_NEGATIVE.check("noise.encoders", "speed_fraction", *speed_fraction)?;
+        NOT_NEGATIVE.check("noise.encoders", "tick_m", *tick_m)?;
+        if let Some(burst) = slip_burst {
+            check!(
+                "noise.encoders.slip_burst",
+                burst,
+                SlipBurst { from_s: NOT_NEGATIVE, until_s: NOT_NEGATIVE, slip: BELOW_ONE }
+            );
+        }
+        for (key, from_s) in
+            [("left_dead_from_s", left_dead_from_s), ("right_dead_from_s", right_dead_from_s)]
+        {
+            if let Some(from_s) = from_s {
+                NOT_NEGATIVE.check("noise.encoders", key, *from_s)?;
+            }
         }
         Ok(())
     }
@@ -208,7 +248,11 @@ mod tests {
 
         [noise.sonar]
         [noise.imu]
+        gyro_bias_step = { at_s = 10.0, by_radps = -0.05 }
         [noise.encoders]
+        slip_burst = { from_s = 3.0, until_s = 3.5, slip = 0.3 }
+        left_dead_from_s = 20.0
+        right_dead_from_s = 30.0
         [noise.joystick]
 
         [[person.script]]
@@ -283,8 +327,15 @@ mod tests {
             ("noise.imu.gyro_bias_radps", &finite),
             ("noise.imu.accel_sigma_mps2", &not_negative),
             ("noise.imu.mag_sigma_ut", &not_negative),
+            ("noise.imu.gyro_bias_step.at_s", &not_negative),
+            ("noise.imu.gyro_bias_step.by_radps", &finite),
             ("noise.encoders.speed_fraction", &not_negative),
             ("noise.encoders.tick_m", &not_negative),
+            ("noise.encoders.slip_burst.from_s", &not_negative),
+            ("noise.encoders.slip_burst.until_s", &not_negative),
+            ("noise.encoders.slip_burst.slip", &below_one),
+            ("noise.encoders.left_dead_from_s", &not_negative),
+            ("noise.encoders.right_dead_from_s", &not_negative),
             ("noise.joystick.v_sigma_mps", &not_negative),
             ("noise.joystick.omega_sigma_radps", &not_negative),
             ("person.goal.look_ahead_s", &positive),

@@ -48,7 +48,16 @@ impl Encoders {
             None => [1.0, 1.0],
             Some(noise) => {
                 let normals = self.stream.reading(index).normals(0);
-                normals.map(|normal| 1.0 + noise.speed_fraction * normal)
+                // Of all that a spinning wheel turns, the share 1 − slip takes the robot along.
+                let spin = noise
+                    .slip_burst
+                    .filter(|burst| (burst.from_s..burst.until_s).contains(&t_s))
+                    .map_or(1.0, |burst| 1.0 / (1.0 - burst.slip));
+                let dead_from_s = [noise.left_dead_from_s, noise.right_dead_from_s];
+                [0, 1].map(|side| {
+                    let dead = dead_from_s[side].is_some_and(|from_s| t_s >= from_s);
+                    if dead { 0.0 } else { spin * (1.0 + noise.speed_fraction * normals[side]) }
+                })
             }
         };
         let (counted_m, speeds_mps) = match &self.before {
@@ -87,7 +96,7 @@ impl Encoders {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use schemas::{Plant as Limits, SIMULATION_EPOCH, Start};
+    use schemas::{Plant as Limits, SIMULATION_EPOCH, SlipBurst, Start};
 
     fn turning(slip: f64) -> Plant {
         let start = Start { v_mps: 0.4, omega_radps: 0.5, ..Start::default() };
@@ -111,10 +120,35 @@ mod tests {
         }
     }
 
+    /// Of 2 s at 0.4 m/s and 0.5 rad/s, which turn the wheels by 0.55 and 1.05 m, the second half is
+    /// spun (half of the travel lost: twice the turns) or not counted at all on one side.
+    #[test]
+    fn wheels_may_spin_and_counters_die() {
+        let faultless =
+            EncoderNoise { speed_fraction: 0.0, tick_m: 0.0, ..EncoderNoise::default() };
+        let burst = SlipBurst { from_s: 1.01, until_s: 2.01, slip: 0.5 };
+        for (noise, left_m, right_m) in [
+            (faultless, 0.55, 1.05),
+            (EncoderNoise { slip_burst: Some(burst), ..faultless }, 0.825, 1.575),
+            (EncoderNoise { left_dead_from_s: Some(1.01), ..faultless }, 0.275, 1.05),
+            (EncoderNoise { right_dead_from_s: Some(1.01), ..faultless }, 0.55, 0.525),
+        ] {
+            let mut plant = turning(0.0);
+            let mut encoders = Encoders::new(Some(noise), 0.5, 3);
+            let mut newest = EncoderSample::default();
+            for i in 0..=100_u64 {
+                plant.advance_to(i * 20_000_000);
+                newest = encoders.sample(i, SIMULATION_EPOCH, i as f64 * 0.02, &plant);
+            }
+            assert!((newest.left_m - left_m).abs() < 1e-9, "{noise:?}: {newest:?}");
+            assert!((newest.right_m - right_m).abs() < 1e-9, "{noise:?}: {newest:?}");
+        }
+    }
+
     /// Travel comes in whole ticks and never runs away from the speeds' sum by more than one.
     #[test]
     fn counts_whole_ticks_of_noisy_travel() {
-        let noise = EncoderNoise { speed_fraction: 0.05, tick_m: 0.001 };
+        let noise = EncoderNoise { speed_fraction: 0.05, ..EncoderNoise::default() };
         let mut plant = turning(0.0);
         let mut encoders = Encoders::new(Some(noise), 0.5, 3);
         let mut summed_m = 0.0;

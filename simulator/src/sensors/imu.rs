@@ -54,6 +54,11 @@ impl Imu {
                 sample.mag_ut[axis] += noise.mag_sigma_ut * normals[6 + axis];
             }
             sample.gyro_radps[2] += noise.gyro_bias_radps;
+            if let Some(step) = &noise.gyro_bias_step
+                && t_s >= step.at_s
+            {
+                sample.gyro_radps[2] += step.by_radps;
+            }
         }
         sample
     }
@@ -62,7 +67,7 @@ impl Imu {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use schemas::{Command, Plant as Limits, Pose, SIMULATION_EPOCH, Start, Twist};
+    use schemas::{Command, GyroBiasStep, Plant as Limits, Pose, SIMULATION_EPOCH, Start, Twist};
 
     fn turning() -> Plant {
         let start = Start {
@@ -100,6 +105,22 @@ mod tests {
         plant.advance_to(10_000_000);
         let sample = imu.sample(1, SIMULATION_EPOCH, 0.01, &plant);
         assert!((sample.accel_mps2[0] - 2.0).abs() < 1e-9);
+    }
+
+    /// From its moment on, and about z alone.
+    #[test]
+    fn the_bias_may_step() {
+        let step = Some(GyroBiasStep { at_s: 2.0, by_radps: 0.05 });
+        let plant = turning();
+        let sample = |gyro_bias_step, t_s| {
+            let noise = ImuNoise { gyro_bias_step, ..ImuNoise::default() };
+            Imu::new(Some(noise), 11).sample(7, SIMULATION_EPOCH, t_s, &plant)
+        };
+        assert_eq!(sample(step, 1.99), sample(None, 1.99));
+        let (with, without) = (sample(step, 2.0), sample(None, 2.0));
+        assert!((with.gyro_radps[2] - without.gyro_radps[2] - 0.05).abs() < 1e-15);
+        assert_eq!(with.gyro_radps[..2], without.gyro_radps[..2]);
+        assert_eq!((with.accel_mps2, with.mag_ut), (without.accel_mps2, without.mag_ut));
     }
 
     /// Bias and deviations of all nine axes as configured, and no two axes correlated, within five
