@@ -218,22 +218,11 @@ impl Ekf {
             to[TURN] += turn_omega * to[OMEGA] + turn_gain * to[TURN_GAIN];
         };
         // F P, column by column; then (F P) Fᵀ is F (F P)ᵀ, whose transpose is itself.
-        let mut p = self.p.data.0;
-        p.iter_mut().for_each(carry);
-        let mut q = [[0.0; STATES]; STATES];
-        for (row, column) in q.iter_mut().enumerate() {
-            for (to, from) in column.iter_mut().zip(&p) {
-                *to = from[row];
-            }
-        }
-        q.iter_mut().for_each(carry);
+        self.p.data.0.iter_mut().for_each(carry);
+        self.p.transpose_mut();
+        self.p.data.0.iter_mut().for_each(carry);
         // Sums in another order round differently.
-        for row in 0..STATES {
-            for column in row + 1..STATES {
-                q[row][column] = q[column][row];
-            }
-        }
-        self.p.data.0 = q;
+        self.p.fill_lower_triangle_with_upper_triangle();
 
         let direction = [along_x / elapsed_s, along_y / elapsed_s];
         self.roughen(travel_m, turn_rad, accel * elapsed_s * half_s, direction);
@@ -245,8 +234,7 @@ impl Ekf {
         let share = (elapsed_s / JUMP_STRETCH_S).min(1.0);
         self.p[(V, V)] += match accel_mps2 {
             Some(accel) => {
-                let (noise, slip) =
-                    (ACCEL_SIGMA_MPS2 * elapsed_s, ACCEL_SHARE * accel * elapsed_s);
+                let (noise, slip) = (ACCEL_SIGMA_MPS2 * elapsed_s, ACCEL_SHARE * accel * elapsed_s);
                 noise * noise + slip * slip
             }
             None => JUMP_MPS * JUMP_MPS * share,
@@ -292,8 +280,7 @@ impl Ekf {
         let sbb = self.p[(j, j)] + b.variance;
         let sab = self.p[(i, j)];
         let determinant = saa * sbb - sab * sab;
-        let weighted = sbb * a.innovation * a.innovation
-            - 2.0 * sab * a.innovation * b.innovation
+        let weighted = sbb * a.innovation * a.innovation - 2.0 * sab * a.innovation * b.innovation
             + saa * b.innovation * b.innovation;
         weighted / determinant
     }
@@ -315,31 +302,24 @@ impl Ekf {
         let [(i, a), (j, b)] = z.of;
         let seen = a * spread[i] + b * spread[j];
         let variance = seen + z.variance;
-        // NaN fails this too.
-        if !(variance > 0.0) || !z.innovation.is_finite() {
+        if variance.is_nan() || variance <= 0.0 || !z.innovation.is_finite() {
             return;
         }
         let mut gain = [0.0; STATES];
-        // (I − K h) P hᵀ.
-        let mut rest = [0.0; STATES];
+        // K R less (I − K h) P hᵀ: nothing but rounding, which Joseph's form takes care of.
+        let mut slack = [0.0; STATES];
         for row in 0..STATES {
             gain[row] = spread[row] / variance;
-            rest[row] = spread[row] - gain[row] * seen;
+            slack[row] = gain[row] * z.variance - (spread[row] - gain[row] * seen);
             self.x[row] += gain[row] * z.innovation;
         }
-        let p = &mut self.p.data.0;
-        for column in 0..STATES {
-            for row in 0..=column {
-                p[column][row] += z.variance * gain[row] * gain[column]
-                    - gain[row] * spread[column]
-                    - rest[row] * gain[column];
+        for (last, column) in self.p.data.0.iter_mut().enumerate() {
+            let (k, g) = (gain[last], spread[last]);
+            for (row, value) in column.iter_mut().take(last + 1).enumerate() {
+                *value += slack[row] * k - gain[row] * g;
             }
         }
-        for column in 0..STATES {
-            for row in 0..column {
-                p[row][column] = p[column][row];
-            }
-        }
+        self.p.fill_lower_triangle_with_upper_triangle();
     }
 
     /// The turn rate turned out to have changed by `by_radps` in the last `elapsed_s`; whether at the

@@ -28,7 +28,12 @@ pub(super) struct Health {
 
 impl Health {
     /// The most telling thing that can be said at `now`, given when gyro and encoders were last heard.
-    pub(super) fn status(&self, now: Time, gyro: Option<Time>, encoders: Option<Time>) -> EstimatorStatus {
+    pub(super) fn status(
+        &self,
+        now: Time,
+        gyro: Option<Time>,
+        encoders: Option<Time>,
+    ) -> EstimatorStatus {
         let within = |at: Option<Time>, s: f64| at.is_some_and(|at| now.seconds_since(at) <= s);
         let said = |at: Option<Time>| within(at, SAID_FOR_S);
         if gyro.is_none() && encoders.is_none() {

@@ -3,7 +3,7 @@
 //! S. Madgwick, *An efficient orientation filter for inertial and inertial/magnetic sensor arrays*,
 //! 2010. Equations in round brackets are of that report. The quaternion q = (q1, q2, q3, q4) takes
 //! vectors from the body (x forward, y left, z up) into the earth frame (x towards magnetic north,
-//! z up): v_earth = q ⊗ v_body ⊗ q*. It follows the gyro and is drawn, at a rate β and whatever the
+//! z up): q ⊗ v ⊗ q*. It follows the gyro and is drawn, at a rate β and whatever the
 //! size of the error, down the gradient of how badly gravity and field would fit (33), (44):
 //!
 //! ```text
@@ -17,6 +17,8 @@
 //! | neither | the gyro |
 //! | not even the gyro | nothing: the attitude holds |
 
+use core::ops::RangeInclusive;
+
 use schemas::ImuSample;
 
 use crate::digest::Digest;
@@ -29,7 +31,7 @@ const GAIN_NINE_AXES: f64 = 0.041;
 const GAIN_SIX_AXES: f64 = 0.033;
 
 /// Standard gravity, m/s².
-pub(super) const GRAVITY_MPS2: f64 = 9.81;
+const GRAVITY_MPS2: f64 = 9.81;
 
 /// Specific force farther from gravity than this, m/s², has something else in it than gravity: three
 /// standard deviations of the simulated accelerometer. An acceleration a at right angles to gravity
@@ -38,7 +40,7 @@ const GRAVITY_MARGIN_MPS2: f64 = 0.15;
 
 /// The earth's field is 22 to 67 microtesla strong (World Magnetic Model 2020), and this leaves
 /// a tenth for the sensor. Beyond it there is iron or current about.
-const FIELD_UT: [f64; 2] = [20.0, 74.0];
+const FIELD_UT: RangeInclusive<f64> = 20.0..=74.0;
 
 /// The longest stretch, seconds, over which one turn rate is taken to hold.
 const LONGEST_STRETCH_S: f64 = 0.2;
@@ -61,7 +63,8 @@ impl Madgwick {
     /// Goes on by `elapsed_s` seconds to the instant of `sample`. `gyro_radps` is its turn rate less
     /// whatever is known of the gyro's bias. A rate that is not finite changes nothing.
     pub fn update(&mut self, sample: &ImuSample, gyro_radps: [f64; 3], elapsed_s: f64) {
-        if !gyro_radps.iter().all(|rate| rate.is_finite()) || !(elapsed_s >= 0.0) {
+        if !gyro_radps.iter().all(|rate| rate.is_finite()) || elapsed_s.is_nan() || elapsed_s < 0.0
+        {
             return;
         }
         self.heard = true;
@@ -110,12 +113,6 @@ impl Madgwick {
         ]
     }
 
-    /// What of the specific force along the body's x axis is gravity, m/s².
-    pub(super) fn gravity_ahead_mps2(&self) -> f64 {
-        let [q1, q2, q3, q4] = self.q;
-        GRAVITY_MPS2 * 2.0 * (q2 * q4 - q1 * q3)
-    }
-
     /// The gradient Jᵀf (34) of what the sample lets one see, with the gain that goes with it; `None`
     /// where there is no gravity to be seen.
     fn gradient(&self, sample: &ImuSample) -> Option<([f64; 4], f64)> {
@@ -139,7 +136,7 @@ impl Madgwick {
             2.0 * q2 * f[0] + 2.0 * q3 * f[1],
         ];
         let field_ut = norm(&sample.mag_ut);
-        if !(field_ut >= FIELD_UT[0] && field_ut <= FIELD_UT[1]) {
+        if !FIELD_UT.contains(&field_ut) {
             return Some((gradient, GAIN_SIX_AXES));
         }
         let m = sample.mag_ut.map(|field| field / field_ut);
@@ -167,7 +164,12 @@ impl Madgwick {
                 2.0 * bx * q2 + 2.0 * bz * q4,
                 -2.0 * bx * q1 + 2.0 * bz * q3,
             ],
-            [2.0 * bx * q3, 2.0 * bx * q4 - 4.0 * bz * q2, 2.0 * bx * q1 - 4.0 * bz * q3, 2.0 * bx * q2],
+            [
+                2.0 * bx * q3,
+                2.0 * bx * q4 - 4.0 * bz * q2,
+                2.0 * bx * q1 - 4.0 * bz * q3,
+                2.0 * bx * q2,
+            ],
         ];
         for (row, f) in rows.iter().zip(f) {
             for (slope, part) in gradient.iter_mut().zip(row) {
@@ -178,12 +180,18 @@ impl Madgwick {
     }
 
     /// q ⊗ v ⊗ q*.
-    fn to_earth(&self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+    fn to_earth(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let [q1, q2, q3, q4] = self.q;
         [
-            x * (1.0 - 2.0 * (q3 * q3 + q4 * q4)) + 2.0 * y * (q2 * q3 - q1 * q4) + 2.0 * z * (q2 * q4 + q1 * q3),
-            2.0 * x * (q2 * q3 + q1 * q4) + y * (1.0 - 2.0 * (q2 * q2 + q4 * q4)) + 2.0 * z * (q3 * q4 - q1 * q2),
-            2.0 * x * (q2 * q4 - q1 * q3) + 2.0 * y * (q3 * q4 + q1 * q2) + z * (1.0 - 2.0 * (q2 * q2 + q3 * q3)),
+            x * (1.0 - 2.0 * (q3 * q3 + q4 * q4))
+                + 2.0 * y * (q2 * q3 - q1 * q4)
+                + 2.0 * z * (q2 * q4 + q1 * q3),
+            2.0 * x * (q2 * q3 + q1 * q4)
+                + y * (1.0 - 2.0 * (q2 * q2 + q4 * q4))
+                + 2.0 * z * (q3 * q4 - q1 * q2),
+            2.0 * x * (q2 * q4 - q1 * q3)
+                + 2.0 * y * (q3 * q4 + q1 * q2)
+                + z * (1.0 - 2.0 * (q2 * q2 + q3 * q3)),
         ]
     }
 

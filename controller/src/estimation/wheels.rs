@@ -84,7 +84,7 @@ impl Wheels {
             self.standing_since = None;
             0.0
         };
-        Some(Rolled { by_m, elapsed_s, jumped: !(fastest_m <= FASTEST_WHEEL_MPS * elapsed_s), stood_s })
+        Some(Rolled { by_m, elapsed_s, jumped: fastest_m > FASTEST_WHEEL_MPS * elapsed_s, stood_s })
     }
 
     /// Which counter has died, given how far the body turned meanwhile, by the gyro. A counter that
@@ -130,7 +130,7 @@ impl Wheels {
 
 /// Whether a wheel stands: no travel counted, no speed reported.
 fn stands(by_m: f64, speed_mps: f64) -> bool {
-    by_m == 0.0 && !(speed_mps.abs() > STANDING_MPS)
+    by_m == 0.0 && (speed_mps.is_nan() || speed_mps.abs() <= STANDING_MPS)
 }
 
 /// A wheel's speed as reported, if it can be true.

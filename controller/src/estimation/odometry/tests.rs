@@ -1,8 +1,10 @@
-//! Contract: on motion that a unicycle can make, dead reckoning equals the closed form; gaps are
-//! bridged; nonsense is ignored; nothing panics.
+//! Contract: on motion that a unicycle can make, the estimate equals the closed form; gaps are bridged;
+//! nonsense is ignored; faults are said and cost no more than they must; nothing panics.
 //!
 //! Closed form of constant v and ω from the origin: x = (v/ω) sin ωt, y = (v/ω)(1 − cos ωt), θ = ωt;
 //! the wheels travel (v ∓ ω·track/2)t.
+
+mod faults;
 
 use proptest::prelude::*;
 use schemas::SIMULATION_EPOCH;
@@ -83,12 +85,19 @@ fn an_arc_is_followed_exactly() {
     }
 }
 
+/// Blind for 0.9 s on an arc of 0.8 rad/s. For the first 0.2 s the speed of before holds. The 0.35 m
+/// and 0.576 rad of the rest the counters tell of afterwards; the filter lays them along a mean
+/// direction of that time, which the chord's own is within ± a quarter of the turn of: 0.35 · 0.144 =
+/// 0.05 m. Poses in between lie on the chord, whose sagitta is 0.35 · 0.576/8 = 0.025 m.
 #[test]
 fn a_gap_in_the_encoders_is_bridged_by_counters_and_gyro() {
     let odometry = drive_arc(0.5, 0.8, 2_000, |_| true, |t| !(600..1_500).contains(&t));
-    assert_near(odometry.estimate().pose, on_arc(0.5, 0.8, 2_000), 1e-9);
-    // The poses of the gap have been corrected too.
-    assert_near(odometry.pose_at(at(1_230)).unwrap(), on_arc(0.5, 0.8, 1_230), 1e-9);
+    assert_near(odometry.estimate().pose, on_arc(0.5, 0.8, 2_000), 0.05);
+    assert!((odometry.estimate().pose.theta_rad - 1.6).abs() < 1e-9);
+    assert_near(odometry.pose_at(at(1_230)).unwrap(), on_arc(0.5, 0.8, 1_230), 0.05 + 0.025);
+    assert_eq!(odometry.report(at(2_000)).encoders_rejected, 0);
+    let blind = drive_arc(0.5, 0.8, 1_400, |_| true, |t| t < 600);
+    assert_eq!(blind.report(at(1_400)).status, EstimatorStatus::EncodersMissing);
 }
 
 #[test]
@@ -136,7 +145,7 @@ fn the_pose_of_any_recent_instant_is_known() {
 
 /// A velocity command takes effect at once: at 100 ms the speed steps from 0 to 0.7 m/s. The gyro
 /// sample at 110 ms finds the old speed; the encoders at 120 ms tell of 0.014 m, half of which had
-/// been gone by 110 ms.
+/// been gone by 110 ms. Whole millimetres are not taken at their word: within σ of a tick, 0.3 mm.
 #[test]
 fn what_was_reckoned_between_two_encoder_samples_is_corrected() {
     let mut odometry = Odometry::new(Pose::default(), TRACK_M);
@@ -148,8 +157,8 @@ fn what_was_reckoned_between_two_encoder_samples_is_corrected() {
     assert_eq!(odometry.pose_at(at(110)).unwrap().x_m, 0.0);
     odometry.imu(&gyro(120, 0.0));
     odometry.encoders(&wheels(120, 0.014, 0.0, 0.7, 0.0));
-    assert!((odometry.pose_at(at(110)).unwrap().x_m - 0.007).abs() < 1e-15);
-    assert!((odometry.pose_at(at(120)).unwrap().x_m - 0.014).abs() < 1e-15);
+    assert!((odometry.pose_at(at(110)).unwrap().x_m - 0.007).abs() < 3e-4);
+    assert!((odometry.pose_at(at(120)).unwrap().x_m - 0.014).abs() < 3e-4);
 }
 
 /// 0.4 s of standing teach the bias; 20 s of driving straight ahead then end where they should.
@@ -166,10 +175,11 @@ fn the_gyros_bias_is_learnt_while_standing() {
             odometry.encoders(&wheels(t_ms, 0.5 * driven_s, 0.0, v, 0.0));
         }
     }
-    assert_eq!(odometry.gyro_bias_radps(), BIAS_RADPS);
-    // The first 0.1 s, before the standing was believed, turned the heading by 0.001 rad.
-    assert!(odometry.estimate().pose.theta_rad.abs() <= 0.0011);
-    assert!((odometry.estimate().pose.x_m - 10.0).abs() < 1e-4);
+    // 30 samples of σ 0.005 rad/s, for all that the filter knows, are good to 0.001.
+    assert!((odometry.gyro_bias_radps() - BIAS_RADPS).abs() < 1e-4);
+    // The standing robot has not turned, whatever the gyro said before that was known.
+    assert!(odometry.estimate().pose.theta_rad.abs() <= 1e-3);
+    assert!((odometry.estimate().pose.x_m - 10.0).abs() < 1e-3);
 }
 
 /// Turning on the spot more slowly than a bias may be: the gyro's first samples come before the
@@ -185,8 +195,8 @@ fn a_slow_turn_is_not_bias() {
             odometry.encoders(&wheels(t_ms, 0.0, 0.04 * turned_s, 0.0, omega));
         }
     }
-    assert_eq!(odometry.gyro_bias_radps(), 0.0);
-    assert_near(odometry.estimate().pose, Pose { theta_rad: 0.4, ..Pose::default() }, 1e-12);
+    assert!(odometry.gyro_bias_radps().abs() < 1e-4);
+    assert_near(odometry.estimate().pose, Pose { theta_rad: 0.4, ..Pose::default() }, 1e-3);
 }
 
 /// A robot that is turned by hand, or whose encoders are dead, still turns.
@@ -302,7 +312,12 @@ fn any_sample() -> impl Strategy<Value = Heard> {
     ];
     (stamp, prop::array::uniform4(any_number()), any::<bool>()).prop_map(|(stamp, n, is_imu)| {
         if is_imu {
-            Heard::Imu(ImuSample { stamp, gyro_radps: [0.0, 0.0, n[0]], ..ImuSample::default() })
+            Heard::Imu(ImuSample {
+                stamp,
+                accel_mps2: [n[1], n[2], 9.81],
+                gyro_radps: [0.0, n[3], n[0]],
+                mag_ut: [20.0, n[3], -45.0],
+            })
         } else {
             Heard::Encoders(EncoderSample {
                 stamp,
@@ -342,6 +357,9 @@ proptest! {
             prop_assert!(estimate.pose.is_finite(), "{estimate:?}");
             prop_assert!(estimate.v_mps.is_finite() && estimate.omega_radps.is_finite());
             prop_assert!(odometry.odometer_m().is_finite());
+            let report = odometry.report(at(1_500));
+            prop_assert!(report.sigma.iter().all(|sigma| sigma.is_finite()), "{report:?}");
+            prop_assert!(report.gyro_bias_radps.is_finite());
             if let Some(pose) = odometry.pose_at(at(1_500)) {
                 prop_assert!(pose.is_finite());
             }
