@@ -74,7 +74,7 @@ const JUMP_STRETCH_S: f64 = 0.01;
 const ACCEL_SIGMA_MPS2: f64 = 0.3;
 
 /// The part of an acceleration, as a share, that the wheels need not show: slip.
-const ACCEL_SHARE: f64 = 0.1;
+const ACCEL_SHARE: f64 = 0.05;
 
 /// Random error of a wheel's travel per √m, metres: 1 % of each of the increments that a wheel at
 /// 0.7 m/s makes in 20 ms.
