@@ -82,12 +82,15 @@ pub enum Value {
     Name(&'static str),
 }
 
-/// A field's type: how it goes to and from protobuf, and what a reader sees of it.
-trait FieldType: Sized {
-    type Wire;
-    fn to_wire(&self) -> Self::Wire;
-    fn from_wire(wire: Self::Wire) -> Self;
+/// What a reader sees of a field.
+trait FieldType {
     fn value(&self) -> Value;
+}
+
+/// How a field goes to and from a protobuf field of type `W`.
+trait Wire<W>: Sized {
+    fn to_wire(&self) -> W;
+    fn from_wire(wire: W) -> Self;
 }
 
 /// The number as a log holds it: one NaN, no negative zero (proto3 leaves out zeros of either sign),
@@ -98,82 +101,93 @@ pub(crate) fn canonical(x: f64) -> f64 {
 }
 
 impl FieldType for f64 {
-    type Wire = f64;
+    fn value(&self) -> Value {
+        Value::Number(*self)
+    }
+}
+
+impl Wire<f64> for f64 {
     fn to_wire(&self) -> f64 {
         canonical(*self)
     }
     fn from_wire(wire: f64) -> Self {
         wire
     }
-    fn value(&self) -> Value {
-        Value::Number(*self)
+}
+
+/// Of a number that came to the schema later: a log from before has none, and it is unknown.
+impl Wire<Option<f64>> for f64 {
+    fn to_wire(&self) -> Option<f64> {
+        (!self.is_nan()).then(|| canonical(*self))
+    }
+    fn from_wire(wire: Option<f64>) -> Self {
+        wire.unwrap_or(f64::NAN)
     }
 }
 
 impl FieldType for [f64; 2] {
-    type Wire = Vec<f64>;
+    fn value(&self) -> Value {
+        Value::Pair(*self)
+    }
+}
+
+impl Wire<Vec<f64>> for [f64; 2] {
     fn to_wire(&self) -> Vec<f64> {
         vec![canonical(self[0]), canonical(self[1])]
     }
     fn from_wire(wire: Vec<f64>) -> Self {
         [wire.first().copied().unwrap_or(f64::NAN), wire.get(1).copied().unwrap_or(f64::NAN)]
     }
-    fn value(&self) -> Value {
-        Value::Pair(*self)
-    }
 }
 
 impl FieldType for Pose {
-    type Wire = Option<proto::Pose>;
-    fn to_wire(&self) -> Self::Wire {
-        Some((*self).into())
-    }
-    fn from_wire(wire: Self::Wire) -> Self {
-        wire.map_or(Pose { x_m: f64::NAN, y_m: f64::NAN, theta_rad: f64::NAN }, Pose::from)
-    }
     fn value(&self) -> Value {
         Value::Pose(*self)
     }
 }
 
+impl Wire<Option<proto::Pose>> for Pose {
+    fn to_wire(&self) -> Option<proto::Pose> {
+        Some((*self).into())
+    }
+    fn from_wire(wire: Option<proto::Pose>) -> Self {
+        wire.map_or(Pose { x_m: f64::NAN, y_m: f64::NAN, theta_rad: f64::NAN }, Pose::from)
+    }
+}
+
 impl FieldType for u64 {
-    type Wire = u64;
-    fn to_wire(&self) -> u64 {
-        *self
-    }
-    fn from_wire(wire: u64) -> Self {
-        wire
-    }
     fn value(&self) -> Value {
         Value::Hash(*self)
     }
 }
 
 impl FieldType for i32 {
-    type Wire = i32;
-    fn to_wire(&self) -> i32 {
-        *self
-    }
-    fn from_wire(wire: i32) -> Self {
-        wire
-    }
     fn value(&self) -> Value {
         Value::Integer(i64::from(*self))
     }
 }
 
 impl FieldType for bool {
-    type Wire = bool;
-    fn to_wire(&self) -> bool {
-        *self
-    }
-    fn from_wire(wire: bool) -> Self {
-        wire
-    }
     fn value(&self) -> Value {
         Value::Flag(*self)
     }
 }
+
+/// Types that are the same on the wire.
+macro_rules! plain {
+    ($($type:ty),*) => {
+        $(impl Wire<$type> for $type {
+            fn to_wire(&self) -> $type {
+                *self
+            }
+            fn from_wire(wire: $type) -> Self {
+                wire
+            }
+        })*
+    };
+}
+
+plain!(u64, i32, bool);
 
 /// A closed list of names: the domain enum, its protobuf numbers and its lower-case names.
 macro_rules! names {
@@ -197,8 +211,7 @@ macro_rules! names {
             }
         }
 
-        impl FieldType for $type {
-            type Wire = i32;
+        impl Wire<i32> for $type {
             fn to_wire(&self) -> i32 {
                 match self {
                     $type::Unspecified => 0,
@@ -211,6 +224,9 @@ macro_rules! names {
                     _ => $type::Unspecified,
                 }
             }
+        }
+
+        impl FieldType for $type {
             fn value(&self) -> Value {
                 Value::Name(self.name())
             }
@@ -372,7 +388,7 @@ macro_rules! step {
                 Step {
                     stamp: Time(wire.stamp_ns),
                     step_index: wire.step_index,
-                    $($($name: FieldType::from_wire(wire.$name),)*)*
+                    $($($name: Wire::from_wire(wire.$name),)*)*
                 }
             }
         }

@@ -44,7 +44,8 @@ fn an_echo_is_named_by_sonar_range_and_time() {
         found += scan
             .echoes
             .iter()
-            .filter(|heard| u64::from(heard.id) == sonar && heard.range_m == range_m)
+            // JSON is read to the last digit or two, not to the last bit.
+            .filter(|heard| u64::from(heard.id) == sonar && (heard.range_m - range_m).abs() < 1e-12)
             .filter(|heard| (7.0 - heard.fired.seconds_since(start) - heard_s_before).abs() < 1e-9)
             .count();
     }
