@@ -28,7 +28,7 @@ mod points;
 mod ray;
 mod scan;
 
-use schemas::{Pose, SONARS, SonarEcho, SonarScan, Time};
+use schemas::{Footprint, Pose, SONARS, SonarEcho, SonarScan, Time};
 
 use self::beam::{Beam, BodyToWorld, unit};
 use self::cones::{Cones, Reading};
@@ -166,6 +166,33 @@ impl EchoMap {
     /// The points that the safety layer's rays meet, likewise.
     pub fn safety_points(&self) -> &[[f64; 2]] {
         self.safety.points_m()
+    }
+
+    /// The points that the safety layer's rays meet besides in the blind gaps, likewise; few and only
+    /// of the last half second.
+    pub fn safety_gap_points(&self) -> &[[f64; 2]] {
+        &self.safety_gaps
+    }
+
+    /// Signed distance, metres, from a footprint at `at` to the nearest of the points that the safety
+    /// layer's rays meet outside the gaps; minus the least way out of the footprint for a point within
+    /// it, +∞ where there is none, NaN at a pose that is not finite. What is not known is not looked at:
+    /// ask [`EchoMap::known`] for the directions that matter.
+    pub fn safety_clearance_m(&self, footprint: &Footprint, at: &Pose) -> f64 {
+        if !at.is_finite() {
+            return f64::NAN;
+        }
+        let ahead = unit(at.theta_rad);
+        let half_m = [0.5 * footprint.length_m, 0.5 * footprint.width_m];
+        let mut least_m = f64::INFINITY;
+        for [x, y] in self.safety.points_m() {
+            let [dx, dy] = [x - at.x_m, y - at.y_m];
+            let beyond_m = (dx * ahead[0] + dy * ahead[1]).abs() - half_m[0];
+            let aside_m = (dy * ahead[0] - dx * ahead[1]).abs() - half_m[1];
+            let outside_m = libm::hypot(beyond_m.max(0.0), aside_m.max(0.0));
+            least_m = least_m.min(outside_m + beyond_m.max(aside_m).min(0.0));
+        }
+        least_m
     }
 
     /// Whether every sonar has given a valid reading at least once.

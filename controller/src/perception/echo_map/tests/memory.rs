@@ -242,3 +242,26 @@ pub(super) fn state(map: &EchoMap) -> u64 {
     map.fold(&mut digest, SIMULATION_EPOCH);
     digest.value()
 }
+
+/// Sonar 3 hears 1 m: an arc from (1.245, 0.027) to (1.185, 0.369), each drawn 0.01 m nearer to the
+/// origin. The corner of a square of 0.5 m, (0.25, 0.25), is nearest to the last one, (1.175, 0.366).
+/// At x = 1.1 the square covers the arc's second point, (1.231, 0.113), to within 0.119 m of its front
+/// edge, and none deeper.
+#[test]
+fn the_clearance_is_that_of_the_footprint() {
+    let mut rig = Rig::new();
+    rig.sweep(&[(3, 1.0)]);
+    let square = Footprint { length_m: 0.5, width_m: 0.5 };
+    let clearance_m = |x_m: f64, theta_rad: f64| {
+        rig.map.safety_clearance_m(&square, &Pose { x_m, y_m: 0.0, theta_rad })
+    };
+    assert!((clearance_m(0.0, 0.0) - libm::hypot(0.925, 0.116)).abs() < 2e-3);
+    assert!((clearance_m(1.1, 0.0) + 0.119).abs() < 2e-3);
+    // A quarter turn changes nothing about a square; half of that brings its corner forward.
+    let quarter = std::f64::consts::FRAC_PI_2;
+    assert!((clearance_m(0.0, quarter) - clearance_m(0.0, 0.0)).abs() < 1e-12);
+    assert!(clearance_m(0.0, 0.5 * quarter) < clearance_m(0.0, 0.0));
+    assert!(clearance_m(f64::NAN, 0.0).is_nan());
+    let empty = Rig::new();
+    assert_eq!(empty.map.safety_clearance_m(&square, &Pose::default()), f64::INFINITY);
+}
