@@ -5,8 +5,21 @@
 
 use schemas::{Pose, ReferenceSource, Task};
 
+use crate::params::choice;
+
 /// Displacements shorter than this have no direction, metres (specification §5).
 pub const UNDERFOOT_M: f64 = 1e-3;
+
+choice! {
+    /// What becomes of the target that is predicted from the joystick while the feedback law drives.
+    PredictedTarget {
+        /// It goes and turns with the robot.
+        Follows = "follows",
+        /// It stays where it was when the feedback law took over, until the person asks for something
+        /// else.
+        Stays = "stays",
+    }
+}
 
 /// Where the robot should be.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -26,6 +26,16 @@ choice! {
     }
 }
 
+choice! {
+    /// Whose free travel D is.
+    DBody {
+        /// That of the disc about the body, which is clear at every heading.
+        Disc = "disc",
+        /// That of the footprint, turned into the direction of travel.
+        Footprint = "footprint",
+    }
+}
+
 /// Rays of a sweep (specification §5).
 const SWEEP_RAYS: u32 = 9;
 

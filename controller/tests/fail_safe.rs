@@ -201,15 +201,16 @@ fn sonars_are_waited_for_and_missed() {
 
 #[test]
 fn contact_stops_forward_motion_and_allows_turning_and_leaving() {
-    // The body's circle reaches 0.354 m, so at x = 1.7 it is 5 cm beyond the wall ahead.
+    // The footprint's front reaches 0.25 m, so at x = 1.78 it is 3 cm beyond the wall ahead, and the
+    // body's circle 13 cm.
     for version in VERSIONS {
         let mut runner = runner(version);
-        let step_ = step(&mut runner, 0.0, &[exact(0.0, 1.7, 0.0), joystick(0.0, 0.2, 0.3)]);
+        let step_ = step(&mut runner, 0.0, &[exact(0.0, 1.78, 0.0), joystick(0.0, 0.2, 0.3)]);
         assert_eq!((step_.k, step_.region), (0.0, Region::Danger));
         assert_eq!(step_.reason, Reason::Contact);
         assert!(step_.distance_human_m < 0.0);
         assert_eq!(step_.u_s[0], 0.0);
-        let back = step(&mut runner, 0.1, &[exact(0.1, 1.7, 0.0), joystick(0.1, -0.2, 0.0)]);
+        let back = step(&mut runner, 0.1, &[exact(0.1, 1.78, 0.0), joystick(0.1, -0.2, 0.0)]);
         assert_eq!((back.k, back.u_s), (1.0, [-0.2, 0.0]), "{version}: backing away is free");
     }
 }
@@ -217,8 +218,9 @@ fn contact_stops_forward_motion_and_allows_turning_and_leaving() {
 #[test]
 fn before_the_safe_set_was_seen_the_law_drives() {
     let mut runner = runner("tandem-kinematic");
-    // In the hysteresis set of v = 0.2: between Dc(b1 = 1) = 0.167 and Dc(b2 = 1.3) = 0.268.
-    let x_m = 2.0 - 0.25 * std::f64::consts::SQRT_2 - 0.21;
+    // In the hysteresis set of v = 0.2: between Dc(b1 = 1) = 0.167 and Dc(b2 = 1.3) = 0.268 before
+    // the front, which is 0.25 m ahead.
+    let x_m = 2.0 - 0.25 - 0.21;
     let hysteresis = [exact(0.0, x_m, 0.0), joystick(0.0, 0.2, 0.0)];
     let first = step(&mut runner, 0.0, &hysteresis);
     assert_eq!((first.k, first.region), (0.0, Region::Hysteresis));

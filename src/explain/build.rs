@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use controller::safety::Projection;
-use controller::sharing::{Margin, classify_printed, classify_total, critical_distance_m};
+use controller::sharing::{Precaution, classify_printed, classify_total, critical_distance_m};
 use controller::{Law, Ray, Spec};
 use schemas::{Region, Step, Value};
 
@@ -147,9 +147,9 @@ fn sets(
     (sets.b1_m, sets.b2_m) = (Some(b1_m), Some(b2_m));
     let printed = params.sets == controller::sharing::Sets::Printed;
     let margin = match params.margin {
-        Margin::Never => false,
-        Margin::Sonar => moment.header.run.sensors == "sonar",
-        Margin::Always => true,
+        Precaution::Never => false,
+        Precaution::Sonar => moment.header.run.sensors == "sonar",
+        Precaution::Always => true,
     };
     let ask = |about: &'static str, [v_mps, omega_radps]: [f64; 2], alone: bool| {
         let (distance_m, ray) = match ray_about(about) {

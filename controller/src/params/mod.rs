@@ -12,11 +12,13 @@ pub(crate) use nearest::nearest;
 
 use crate::frame::Frame;
 use crate::law::BranchSigns;
+use crate::runner::ReverseLaw;
 use crate::safety::{Projection, Saturation};
-use crate::sharing::{Margin, Sets};
+use crate::sharing::{Precaution, Sets};
 use crate::side::SideRule;
 use crate::spec::SpecError;
-use crate::travel::DMode;
+use crate::target::PredictedTarget;
+use crate::travel::{DBody, DMode};
 
 /// What values a parameter may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -106,7 +108,7 @@ impl Kind for f64 {
 }
 
 macro_rules! named_kinds {
-    ($($type:ty),*) => {$(
+    ($($type:ty),* $(,)?) => {$(
         impl Kind for $type {
             fn read(
                 key: &'static str,
@@ -126,7 +128,19 @@ macro_rules! named_kinds {
     )*};
 }
 
-named_kinds!(DMode, Frame, SideRule, BranchSigns, Sets, Margin, Saturation, Projection);
+named_kinds!(
+    DMode,
+    DBody,
+    Frame,
+    SideRule,
+    BranchSigns,
+    Sets,
+    Precaution,
+    Saturation,
+    Projection,
+    ReverseLaw,
+    PredictedTarget,
+);
 
 /// Numbers from `min` to `max`.
 const fn range(min: f64, max: f64) -> Allowed {
@@ -225,6 +239,18 @@ parameters! {
     d_mode_task: DMode = DMode::Both, "", Allowed::Names(DMode::NAMES), "specification §5";
     /// Along which directions D is measured in free driving.
     d_mode_free: DMode = DMode::Sweep, "", Allowed::Names(DMode::NAMES), "specification §5";
+    /// Whose free travel D is.
+    d_body: DBody = DBody::Footprint, "", Allowed::Names(DBody::NAMES), "specification §5";
+    /// With which sensors k = 1 is waited for.
+    wait: Precaution = Precaution::Sonar, "", Allowed::Names(Precaution::NAMES), "specification §5, open point f";
+    /// How long k = 1 must have been possible without a break before it is granted again.
+    grant_s: f64 = 0.2, "s", range(0.0, 10.0), "specification §5, open point f";
+    /// How long k = 0 lasts at least.
+    dwell_s: f64 = 0.0, "s", range(0.0, 60.0), "specification §5, open point f";
+    /// Which robot the feedback law drives where the person asks to go backwards.
+    reverse_law: ReverseLaw = ReverseLaw::Mirrored, "", Allowed::Names(ReverseLaw::NAMES), "specification §6, open point e";
+    /// What becomes of the predicted target while the feedback law drives.
+    predicted_target: PredictedTarget = PredictedTarget::Follows, "", Allowed::Names(PredictedTarget::NAMES), "specification §7, open point e";
     /// How the direction ψ of the distance frame is chosen.
     frame: Frame = Frame::Wall, "", Allowed::Names(Frame::NAMES), "specification §6";
     /// Which side distance the feedback law looks at.
@@ -236,7 +262,7 @@ parameters! {
     /// Which form of the sets (12) classifies the state.
     sets: Sets = Sets::Total, "", Allowed::Names(Sets::NAMES), "specification §5, errata 10 and 11";
     /// When the sets see D less the guard and the travel of one period.
-    margin: Margin = Margin::Sonar, "", Allowed::Names(Margin::NAMES), "specification §5";
+    margin: Precaution = Precaution::Never, "", Allowed::Names(Precaution::NAMES), "specification §5";
     /// Distance kept free by the margin and by the safety layer.
     guard_m: f64 = 0.02, "m", range(0.0, 1.0), "specification §8";
     /// Bound that is assumed on the speed of things that move.

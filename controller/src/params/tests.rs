@@ -62,7 +62,11 @@ fn the_versions_differ_as_specified() {
     assert_eq!((paper.sets, tandem.sets), (Sets::Printed, Sets::Total));
     assert_eq!((paper.d_mode_task, tandem.d_mode_task), (DMode::Heading, DMode::Both));
     assert_eq!((paper.d_mode_free, tandem.d_mode_free), (DMode::Heading, DMode::Sweep));
-    assert_eq!((paper.margin, tandem.margin), (Margin::Never, Margin::Sonar));
+    assert_eq!((paper.margin, tandem.margin), (Precaution::Never, Precaution::Never));
+    assert_eq!((paper.d_body, tandem.d_body), (DBody::Disc, DBody::Footprint));
+    assert_eq!((paper.wait, tandem.wait), (Precaution::Never, Precaution::Sonar));
+    assert_eq!(paper.reverse_law, ReverseLaw::Same);
+    assert_eq!(tandem.reverse_law, ReverseLaw::Mirrored);
     assert_eq!((paper.v_rest_mps, tandem.v_rest_mps), (0.0, 0.004));
     assert_eq!((paper.saturation, tandem.saturation), (Saturation::Clip, Saturation::Scale));
     assert_eq!((paper.projection, tandem.projection), (Projection::None, Projection::Cone));
@@ -74,7 +78,9 @@ fn the_versions_differ_as_specified() {
         sets: paper.sets,
         d_mode_task: paper.d_mode_task,
         d_mode_free: paper.d_mode_free,
-        margin: paper.margin,
+        d_body: paper.d_body,
+        wait: paper.wait,
+        reverse_law: paper.reverse_law,
         v_rest_mps: paper.v_rest_mps,
         saturation: paper.saturation,
         projection: paper.projection,

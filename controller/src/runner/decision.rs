@@ -38,11 +38,13 @@ impl Runner {
         let u_h = setup.human_input(requested, request.trouble.is_some(), speeds);
         step.u_h = u_h;
 
-        let target = match &scenario.task {
+        let mut target = match &scenario.task {
             _ if request.trouble.is_some() => Target::hold(pose),
             Some(task) => Target::of_task(task, t_s, params.intent_s),
             None => Target::of_joystick(pose, requested[0], requested[1], params.prediction_s),
         };
+        memory.keep_target(params, requested, &scenario.plant, &mut target);
+        memory.face(params.reverse_law, requested[0]);
         step.reference_source = target.source;
         [step.target_x_m, step.target_y_m] = target.position_m;
         [step.target_vx_mps, step.target_vy_mps] = target.velocity_mps;
@@ -57,7 +59,18 @@ impl Runner {
             feedback = view.feedback(memory, step);
             let (mode, b1_m, b2_m) = params.question(scenario.task.is_some());
             let margin = params.margin_applies(*sensors);
-            let question = Question { request: requested, u_h, mode, b1_m, b2_m, margin, shield };
+            let free_plant = scenario.task.is_none().then_some(&scenario.plant);
+            let question = Question {
+                request: requested,
+                u_h,
+                mode,
+                b1_m,
+                b2_m,
+                patience: params.patience(*sensors),
+                margin,
+                shield,
+                free_plant,
+            };
             reason = view.share(&question, memory, step);
         }
 

@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use schemas::{Pose, Reason, Step};
 
 use super::memory::Memory;
+use super::reverse::{mirrored_plan, mirrored_scene};
 use super::senses::Senses;
 use crate::frame::{Aim, Framed, frame};
 use crate::params::Params;
@@ -38,7 +39,12 @@ impl View<'_> {
     pub(super) fn feedback(&self, memory: &mut Memory, step: &mut Step) -> Feedback {
         let framed = self.frame(memory.psi_rad);
         let scene = self.scene(&framed);
-        let plan = plan(self.law, self.params, &scene, &memory.past);
+        let (scene, plan) = if memory.mirrored {
+            let scene = mirrored_scene(scene);
+            (scene, mirrored_plan(&plan(self.law, self.params, &scene, &memory.past)))
+        } else {
+            (scene, plan(self.law, self.params, &scene, &memory.past))
+        };
         memory.psi_rad = Some(framed.psi_rad);
         memory.past = plan.past();
         note_frame(step, &framed, &scene);

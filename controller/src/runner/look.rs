@@ -23,7 +23,7 @@ pub struct Look<'a> {
 pub struct Ray {
     /// World angle, radians.
     pub angle_rad: f64,
-    /// Free travel of the body's circle, metres: +∞ where nothing is met, NaN where nothing is
+    /// Free travel of the body's circle, or of the footprint for D, metres: +∞ where nothing is met, NaN where nothing is
     /// known (0 for the safety layer).
     pub free_m: f64,
     /// The echo that ends it; `None` with exact rays, and where nothing is met or known.
@@ -87,14 +87,20 @@ impl Look<'_> {
         };
         let sweep_s = setup.spec.params.sweep_s;
         let travel = Travel { pose: self.from, v_mps, omega_radps, intent_m, sweep_s };
+        let (senses, body) = (&self.runner.senses, setup.spec.params.d_body);
         let asked = RefCell::new(Shortest::default());
         travel.distance_m(mode, |angle_rad| {
-            let free_m = self.runner.senses.law_ray_m(&self.from, angle_rad);
+            let free_m = senses.travel_m(body, &self.from, angle_rad);
             asked.borrow_mut().take(angle_rad, free_m);
             free_m
         });
         // Every mode looks along one direction at least.
-        self.law_ray(asked.into_inner().angle_rad.unwrap_or(self.from.theta_rad))
+        let angle_rad = asked.into_inner().angle_rad.unwrap_or(self.from.theta_rad);
+        Ray {
+            angle_rad,
+            free_m: senses.travel_m(body, &self.from, angle_rad),
+            echo: senses.travel_limit(body, &self.from, angle_rad),
+        }
     }
 
     /// What the safety layer leaves of the input `u` in the state of `step`; `None` without one.

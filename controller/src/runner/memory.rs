@@ -3,7 +3,7 @@
 use crate::digest::Digest;
 use crate::law::Side;
 use crate::plan::Past;
-use crate::sharing::Switch;
+use crate::sharing::{Switch, Wait};
 
 /// The law's and the switch's memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -14,6 +14,12 @@ pub(super) struct Memory {
     pub(super) past: Past,
     /// The hysteresis switch.
     pub(super) switch: Switch,
+    /// What has passed since k fell to 0.
+    pub(super) wait: Wait,
+    /// What the person asked for, [m/s, rad/s], and where the target was, metres, when it did.
+    pub(super) fell: Option<([f64; 2], [f64; 2])>,
+    /// Whether the feedback law drives the mirrored robot.
+    pub(super) mirrored: bool,
     /// The command in force, [m/s, rad/s].
     pub(super) commanded: [f64; 2],
 }
@@ -30,6 +36,14 @@ impl Memory {
             Some(Side::Right) => 2,
         });
         digest.word(u64::from(self.switch.human) << 1 | u64::from(self.switch.seen_safe));
+        if let Some((request, target_m)) = &self.fell {
+            self.wait.fold(digest);
+            digest.numbers(request);
+            digest.numbers(target_m);
+        }
+        if self.mirrored {
+            digest.word(1);
+        }
         digest.numbers(&self.commanded);
     }
 }

@@ -11,6 +11,7 @@ mod look;
 mod memory;
 mod prediction;
 mod request;
+mod reverse;
 mod senses;
 mod setup;
 mod sharing;
@@ -27,6 +28,7 @@ pub use look::{Look, Ray, Shielded};
 use memory::Memory;
 use prediction::predict;
 use request::{Request, stale};
+pub(crate) use reverse::ReverseLaw;
 use senses::Senses;
 pub use setup::Setup;
 

@@ -5,12 +5,13 @@
 //! exact pose and rays go into the attached world; with sonars odometry and the map of echoes take
 //! their place.
 
-use schemas::{ExactPose, Pose, Sample, Scenario, SensorSuite, Time, World};
+use schemas::{ExactPose, Footprint, Pose, Sample, Scenario, SensorSuite, Time, World};
 
 use crate::digest::Digest;
 use crate::estimation::{Estimate, Odometry, Report};
 use crate::params::Params;
 use crate::perception::echo_map::{EchoMap, EchoMapSettings, LimitingEcho};
+use crate::travel::DBody;
 
 /// One sensor suite's view.
 #[derive(Clone, Debug)]
@@ -22,6 +23,7 @@ pub(super) enum Senses {
 #[derive(Clone, Debug)]
 pub(super) struct Exact {
     world: World,
+    footprint: Footprint,
     inflation_m: f64,
     latest: Option<ExactPose>,
     /// Seconds since the start of the session, as of the step in hand.
@@ -30,21 +32,25 @@ pub(super) struct Exact {
 
 #[derive(Clone, Debug)]
 pub(super) struct Sonar {
+    footprint: Footprint,
     odometry: Odometry,
     map: EchoMap,
 }
 
 impl Senses {
     pub(super) fn new(scenario: &Scenario, suite: SensorSuite, params: &Params) -> Senses {
-        let inflation_m = scenario.robot.footprint.circumscribed_radius_m();
+        let footprint = scenario.robot.footprint;
+        let inflation_m = footprint.circumscribed_radius_m();
         match suite {
             SensorSuite::Exact => Senses::Exact(Box::new(Exact {
                 world: scenario.world.clone(),
+                footprint,
                 inflation_m,
                 latest: None,
                 t_s: 0.0,
             })),
             SensorSuite::Sonar => Senses::Sonar(Box::new(Sonar {
+                footprint,
                 odometry: Odometry::new(scenario.start.pose, scenario.robot.track_m),
                 map: EchoMap::new(EchoMapSettings {
                     inflation_m,
@@ -108,7 +114,38 @@ impl Senses {
         }
     }
 
-    /// The same for the safety layer, which trusts less.
+    /// Free travel along a world angle of what D is about, metres; NaN if unknown.
+    pub(super) fn travel_m(&self, body: DBody, from: &Pose, angle_rad: f64) -> f64 {
+        match (body, self) {
+            (DBody::Disc, _) => self.law_ray_m(from, angle_rad),
+            (DBody::Footprint, Senses::Exact(exact)) => {
+                let Exact { world, footprint, t_s, .. } = &**exact;
+                world.travel_m(footprint, from.position_m(), angle_rad, *t_s)
+            }
+            (DBody::Footprint, Senses::Sonar(sonar)) => {
+                sonar.map.law_travel_m(&sonar.footprint, from, angle_rad)
+            }
+        }
+    }
+
+    /// The echo that ends [`Senses::travel_m`], where one does.
+    pub(super) fn travel_limit(
+        &self,
+        body: DBody,
+        from: &Pose,
+        angle_rad: f64,
+    ) -> Option<LimitingEcho> {
+        match (body, self) {
+            (DBody::Disc, _) => self.law_limit(from, angle_rad),
+            (DBody::Footprint, Senses::Exact(_)) => None,
+            (DBody::Footprint, Senses::Sonar(sonar)) => {
+                let Sonar { footprint, odometry, map } = &**sonar;
+                map.law_travel_limit(footprint, odometry, from, angle_rad)
+            }
+        }
+    }
+
+    /// Free travel of the body's circle for the safety layer, which trusts less.
     pub(super) fn safety_ray_m(&self, from: &Pose, angle_rad: f64) -> f64 {
         match self {
             Senses::Exact(exact) => exact.ray_m(from, angle_rad),

@@ -4,7 +4,7 @@ use schemas::{Scenario, SensorSuite, Time};
 
 use crate::params::Params;
 use crate::safety::{Braking, Cone, Limits, Projection, Shield, clip};
-use crate::sharing::Margin;
+use crate::sharing::Patience;
 use crate::spec::{Law, Spec, SpecError};
 use crate::travel::DMode;
 
@@ -162,12 +162,17 @@ impl Params {
         }
     }
 
+    /// How long the person waits for k = 1; `None` if not at all.
+    pub(super) fn patience(&self, sensors: SensorSuite) -> Option<Patience> {
+        self.wait.applies(sensors).then_some(Patience {
+            grant_s: self.grant_s,
+            dwell_s: self.dwell_s,
+            period_s: self.control_period_s,
+        })
+    }
+
     /// Whether the sets see `D_eff`.
     pub(super) fn margin_applies(&self, sensors: SensorSuite) -> bool {
-        match self.margin {
-            Margin::Never => false,
-            Margin::Sonar => sensors == SensorSuite::Sonar,
-            Margin::Always => true,
-        }
+        self.margin.applies(sensors)
     }
 }

@@ -1,16 +1,16 @@
 //! From the request to k: D, the sets, the switch, and why.
 
-use schemas::{Reason, Region, Step};
+use schemas::{Plant, Reason, Region, Step};
 
 use super::feedback::View;
 use super::memory::Memory;
 use crate::safety::Shield;
-use crate::sharing::{Sets, classify_printed, classify_total, danger};
+use crate::sharing::{Patience, Sets, another_request, classify_printed, classify_total, danger};
 use crate::spec::Law;
 use crate::travel::{DMode, Travel};
 
 /// What the sets are to be asked about, and with which parameters.
-pub(super) struct Question {
+pub(super) struct Question<'a> {
     /// The velocities that the person asks for, within the limits, [m/s, rad/s].
     pub(super) request: [f64; 2],
     /// The person's input: those, or the accelerations that they become.
@@ -18,10 +18,25 @@ pub(super) struct Question {
     pub(super) mode: DMode,
     pub(super) b1_m: f64,
     pub(super) b2_m: f64,
+    /// How long k = 1 is waited for, where it is.
+    pub(super) patience: Option<Patience>,
     /// Whether `D_eff` takes the place of D.
     pub(super) margin: bool,
     /// The safety layer, where there is one.
     pub(super) shield: Option<Shield>,
+    /// The plant, in free driving, where each stroke of the joystick is a request of its own; with a task
+    /// the person's aim is one and the same.
+    pub(super) free_plant: Option<&'a Plant>,
+}
+
+impl Question<'_> {
+    /// Whether the person asks for something else than when the feedback law took over.
+    fn another_request(&self, fell: Option<([f64; 2], [f64; 2])>) -> bool {
+        match (fell, self.free_plant) {
+            (Some((before, _)), Some(plant)) => another_request(self.request, before, plant),
+            _ => false,
+        }
+    }
 }
 
 /// What the sets say about one velocity.
@@ -54,7 +69,7 @@ impl View<'_> {
     /// bit for bit, by construction, also where the cone of the safety layer sees what D does not.
     pub(super) fn share(
         &self,
-        question: &Question,
+        question: &Question<'_>,
         memory: &mut Memory,
         step: &mut Step,
     ) -> Reason {
@@ -87,7 +102,22 @@ impl View<'_> {
                 _ => Reason::Danger,
             }
         };
-        memory.switch = memory.switch.next(region);
+        let before = memory.switch;
+        memory.switch = before.next(region);
+        let another = question.another_request(memory.fell);
+        let patience = question.patience.as_ref();
+        let waits = |patience| memory.wait.holds(before, memory.switch, another, patience);
+        let reason = if patience.is_some_and(waits) {
+            memory.switch.human = false;
+            Reason::Hysteresis
+        } else {
+            reason
+        };
+        if memory.switch.human {
+            memory.fell = None;
+        } else if params.remembers_the_fall(patience) && (memory.fell.is_none() || another) {
+            memory.fell = Some((question.request, self.target.position_m));
+        }
         step.distance_human_m = d_m;
         step.distance_effective_m = verdict.d_effective_m;
         step.danger = verdict.danger;
@@ -96,7 +126,7 @@ impl View<'_> {
     }
 
     /// The class of moving at (v, ω).
-    fn verdict(&self, question: &Question, [v_mps, omega_radps]: [f64; 2]) -> Verdict {
+    fn verdict(&self, question: &Question<'_>, [v_mps, omega_radps]: [f64; 2]) -> Verdict {
         let View { params, senses, pose, target, .. } = self;
         let Question { b1_m, b2_m, .. } = *question;
         // As printed, the set does not look behind, and its D is the one ahead.
@@ -108,7 +138,8 @@ impl View<'_> {
             intent_m: target.intent_m,
             sweep_s: params.sweep_s,
         };
-        let d_m = travel.distance_m(question.mode, |angle_rad| senses.law_ray_m(pose, angle_rad));
+        let d_m = travel
+            .distance_m(question.mode, |angle_rad| senses.travel_m(params.d_body, pose, angle_rad));
         let d_effective_m = if question.margin {
             d_m - params.guard_m - libm::fabs(v_mps) * params.control_period_s
         } else {

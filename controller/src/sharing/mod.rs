@@ -4,13 +4,17 @@
 
 mod critical;
 mod danger;
+mod grant;
 mod region;
 mod switch;
 
 pub use critical::critical_distance_m;
 pub use danger::danger;
+pub use grant::{Patience, Wait, another_request};
 pub use region::{classify_printed, classify_total};
 pub use switch::{Switch, select};
+
+use schemas::SensorSuite;
 
 use crate::params::choice;
 
@@ -25,13 +29,25 @@ choice! {
 }
 
 choice! {
-    /// When the sets see the effective distance `D_eff` = D − guard − |v|Ts in the place of D.
-    Margin {
+    /// With which sensors something is done that exact distances do not need: [`crate::Params::margin`],
+    /// [`crate::Params::wait`].
+    Precaution {
         /// Never.
         Never = "never",
         /// With real sensors.
         Sonar = "sonar",
         /// Always.
         Always = "always",
+    }
+}
+
+impl Precaution {
+    /// Whether it is taken with these sensors.
+    pub fn applies(self, sensors: SensorSuite) -> bool {
+        match self {
+            Precaution::Never => false,
+            Precaution::Sonar => sensors == SensorSuite::Sonar,
+            Precaution::Always => true,
+        }
     }
 }

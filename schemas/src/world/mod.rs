@@ -1,9 +1,9 @@
 //! The world a robot moves in: a convex room, convex obstacles and moving discs.
 //!
-//! Three questions can be asked of it: how far along a ray ([`World::ray_m`]), how near to a
-//! footprint ([`World::clearance_m`]), and which way the nearest face looks
-//! ([`World::nearest_face`]). None of them allocates. Distances are signed: negative means beyond
-//! a face of the room or inside what stands in it.
+//! Four questions can be asked of it: how far along a ray ([`World::ray_m`]), how far a footprint may
+//! travel ([`World::travel_m`]), how near to a footprint ([`World::clearance_m`]), and which way the
+//! nearest face looks ([`World::nearest_face`]). None of them allocates. Distances are signed: negative
+//! means beyond a face of the room or inside what stands in it.
 
 mod check;
 mod clearance;
@@ -11,6 +11,7 @@ mod discs;
 mod face;
 mod polygon;
 mod ray;
+mod travel;
 
 pub use face::NearestFace;
 

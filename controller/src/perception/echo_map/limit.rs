@@ -1,12 +1,12 @@
 //! Which remembered echo ends a ray: for explanations, never for decisions.
 
-use schemas::{Pose, Time};
+use schemas::{Footprint, Pose, Time};
 
 use super::beam::unit;
 use super::gaps::Gaps;
 use super::points::Point;
-use super::ray::Ray;
-use super::scan::{Scan, sight};
+use super::ray::{Lane, Ray};
+use super::scan::sight;
 use super::{EchoMap, Odometry};
 
 /// The echo that a ray ends at.
@@ -37,7 +37,20 @@ impl EchoMap {
         from: &Pose,
         angle_rad: f64,
     ) -> Option<LimitingEcho> {
-        self.limit(&self.law, |point| point.confirmed, odometry, from, angle_rad)
+        let way = self.way(from, angle_rad);
+        self.limit(true, odometry, from, angle_rad, |point_m| way.free_m(&[point_m]))
+    }
+
+    /// The echo that ends [`EchoMap::law_travel_m`], likewise.
+    pub fn law_travel_limit(
+        &self,
+        footprint: &Footprint,
+        odometry: &Odometry,
+        from: &Pose,
+        angle_rad: f64,
+    ) -> Option<LimitingEcho> {
+        let lane = Lane::of(footprint, from, angle_rad);
+        self.limit(true, odometry, from, angle_rad, |point_m| lane.free_m(&[point_m]))
     }
 
     /// The echo that ends [`EchoMap::safety_ray_m`], likewise.
@@ -47,29 +60,37 @@ impl EchoMap {
         from: &Pose,
         angle_rad: f64,
     ) -> Option<LimitingEcho> {
-        self.limit(&self.safety, |_| true, odometry, from, angle_rad)
+        let way = self.way(from, angle_rad);
+        self.limit(false, odometry, from, angle_rad, |point_m| way.free_m(&[point_m]))
+    }
+
+    fn way(&self, from: &Pose, angle_rad: f64) -> Ray {
+        let radius_m = self.settings.inflation_m;
+        Ray { from_m: from.position_m(), along: unit(angle_rad), radius_m }
     }
 
     fn limit(
         &self,
-        scan: &Scan,
-        counts: impl Fn(&Point) -> bool,
+        laws: bool,
         odometry: &Odometry,
         from: &Pose,
         angle_rad: f64,
+        free_m: impl Fn([f64; 2]) -> f64,
     ) -> Option<LimitingEcho> {
         let now = self.advanced_to.filter(|_| self.knows(from, angle_rad))?;
-        let from_m = from.position_m();
-        let ray = Ray { from_m, along: unit(angle_rad), radius_m: self.settings.inflation_m };
+        // The law's scan is made of confirmed points, and does not reckon with what moves.
+        let scan = if laws { &self.law } else { &self.safety };
         let mut nearest: Option<LimitingEcho> = None;
         let mut offer = |point: &Point, in_gap: bool| {
-            let nearer_by_m = self.uncertainty_m(point, now, odometry.odometer_m());
-            let Some(sighting) = sight(from_m, point.at_m, nearer_by_m) else { return };
+            let moved_m = if laws { 0.0 } else { self.moved_m(point, now) };
+            let nearer_by_m = EchoMap::uncertainty_m(point, odometry.odometer_m()) + moved_m;
+            let Some(sighting) = sight(from.position_m(), point.at_m, nearer_by_m) else { return };
             // Of several points in one direction the scan shows the nearest alone.
-            if !counts(point) || !(in_gap || scan.points_m().contains(&sighting.at_m)) {
+            let shown = in_gap || scan.points_m().contains(&sighting.at_m);
+            if (laws && !point.confirmed) || !shown {
                 return;
             }
-            let free_m = ray.free_m(&[sighting.at_m]);
+            let free_m = free_m(sighting.at_m);
             if free_m < nearest.map_or(f64::INFINITY, |echo| echo.free_m) {
                 let Point { at_m, range_m, fired, confirmed, .. } = *point;
                 nearest = Some(LimitingEcho {

@@ -10,7 +10,9 @@
 //! 2. what has grown old is forgotten;
 //! 3. the rest is drawn nearer by its uncertainty and sorted by direction about the predicted pose: the
 //!    virtual scan (`scan`). Confirmed points make the scan of the law, all points that of the safety
-//!    layer: a false echo may stop the robot for 0.4 s, but never starts the feedback law;
+//!    layer: a false echo may stop the robot for 0.4 s, but never starts the feedback law. Only the
+//!    safety layer reckons with what has moved since it was heard: the law's distances would sway with
+//!    every sweep, and k with them;
 //! 4. rays are answered from the scans, and by `cones` where nothing is known.
 //!
 //! Where no cone looks (60–80° and 100–120° on either side) the nearest echo of the sonars within 30°
@@ -36,7 +38,7 @@ use self::faces::Faces;
 use self::gaps::Gaps;
 pub use self::limit::LimitingEcho;
 use self::points::{PlacedEcho, Point, Points};
-use self::ray::Ray;
+use self::ray::{Lane, Ray};
 use self::scan::{Scan, sight};
 use crate::digest::Digest;
 use crate::estimation::Odometry;
@@ -58,6 +60,10 @@ const DRIFT_MOST_M: f64 = 0.12;
 /// Up to this age, seconds, what echoed may be on its way towards the robot; what is older has been
 /// looked at again, or is remembered because it stood still (prototype).
 const MOVING_S: f64 = 0.5;
+
+/// What has echoed from one place for this long, seconds, stands: within the reach of a repetition, 3 cm
+/// and 2 % of the range, it can have moved by 5 cm/s. Chosen: three sweeps.
+const STANDS_AFTER_S: f64 = 1.0;
 
 /// What the map is to assume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,7 +137,7 @@ impl EchoMap {
         }
         self.advanced_to = Some(now);
         self.place_pending(odometry);
-        self.points.age(now);
+        self.points.age(now, odometry.odometer_m());
         self.cones.age(now, self.settings.lease_s);
         self.look(now, odometry.odometer_m(), about.position_m());
     }
@@ -145,6 +151,21 @@ impl EchoMap {
             self.ray_m(&self.law, &self.law_gaps, from, angle_rad)
         } else {
             f64::NAN
+        }
+    }
+
+    /// The same for a footprint about `from` that points along the world angle `angle_rad`: how far it
+    /// may go on straight before its front meets something, metres (specification, section 5).
+    pub fn law_travel_m(&self, footprint: &Footprint, from: &Pose, angle_rad: f64) -> f64 {
+        if !self.knows(from, angle_rad) {
+            return f64::NAN;
+        }
+        let lane = Lane::of(footprint, from, angle_rad);
+        let remembered_m = lane.free_m(self.law.points_m());
+        if Gaps::hold(angle_rad - from.theta_rad) {
+            remembered_m.min(lane.free_m(&self.law_gaps))
+        } else {
+            remembered_m
         }
     }
 
@@ -300,10 +321,13 @@ impl EchoMap {
         self.law.clear(about_m);
         self.safety.clear(about_m);
         for point in self.points.iter() {
-            let by_m = self.uncertainty_m(point, now, odometer_m);
-            let Some(sighting) = sight(about_m, point.at_m, by_m) else { continue };
+            let by_m = EchoMap::uncertainty_m(point, odometer_m);
+            let moved_m = self.moved_m(point, now);
+            let Some(sighting) = sight(about_m, point.at_m, by_m + moved_m) else { continue };
             self.safety.see(&sighting);
-            if point.confirmed {
+            if point.confirmed
+                && let Some(sighting) = sight(about_m, point.at_m, by_m)
+            {
                 self.law.see(&sighting);
             }
         }
@@ -313,21 +337,29 @@ impl EchoMap {
         self.law_gaps.clear();
         self.safety_gaps.clear();
         for point in self.gaps.points(now, self.settings.lease_s) {
-            let by_m = self.uncertainty_m(point, now, odometer_m);
-            let Some(sighting) = sight(about_m, point.at_m, by_m) else { continue };
+            let by_m = EchoMap::uncertainty_m(point, odometer_m);
+            let moved_m = self.moved_m(point, now);
+            let Some(sighting) = sight(about_m, point.at_m, by_m + moved_m) else { continue };
             self.safety_gaps.push(sighting.at_m);
-            if point.confirmed {
+            if point.confirmed
+                && let Some(sighting) = sight(about_m, point.at_m, by_m)
+            {
                 self.law_gaps.push(sighting.at_m);
             }
         }
     }
 
-    /// How much nearer than remembered a point may be, metres.
-    fn uncertainty_m(&self, point: &Point, now: Time, odometer_m: f64) -> f64 {
-        let age_s = now.seconds_since(point.fired).max(0.0);
-        let moved_m = if age_s < MOVING_S { self.settings.v_disc_mps * age_s } else { 0.0 };
+    /// How much nearer than remembered a point that stands still may be, metres.
+    fn uncertainty_m(point: &Point, odometer_m: f64) -> f64 {
         let drift_m = (DRIFT_SHARE * (odometer_m - point.odometer_m)).min(DRIFT_MOST_M);
-        RANGE_SHARE * point.range_m + drift_m + moved_m
+        RANGE_SHARE * point.range_m + drift_m
+    }
+
+    /// How far what echoed there may have come since, metres.
+    fn moved_m(&self, point: &Point, now: Time) -> f64 {
+        let age_s = now.seconds_since(point.fired).max(0.0);
+        let stands = point.confirmed && point.fired.seconds_since(point.since) >= STANDS_AFTER_S;
+        if stands || age_s >= MOVING_S { 0.0 } else { self.settings.v_disc_mps * age_s }
     }
 }
 

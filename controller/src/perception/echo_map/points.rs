@@ -21,6 +21,12 @@ const CAPACITY: usize = 1024;
 /// A confirmed point is remembered this long, seconds (prototype: longer lets odometry drift in).
 const CONFIRMED_LIFE_S: f64 = 5.0;
 
+/// … but where the robot has hardly moved since, by this much of the odometer, metres, odometry has not
+/// drifted either, and it is remembered for this long, seconds: a robot that waits before a corner which
+/// only echoes now and then must not forget it.
+const RESTING_WITHIN_M: f64 = 0.3;
+const RESTING_LIFE_S: f64 = 60.0;
+
 /// An unconfirmed one this long, seconds: a sonar fires again after 0.32 s.
 const UNCONFIRMED_LIFE_S: f64 = 0.4;
 
@@ -83,19 +89,22 @@ pub(super) struct Point {
     pub(super) confirmed: bool,
     /// How many newer echoes have looked through it.
     carved: u8,
+    /// When something was first heard here, of all the echoes that repeated one another.
+    pub(super) since: Time,
 }
 
 impl Point {
     /// A point of `echo`.
     pub(super) fn new(echo: &PlacedEcho, at_m: [f64; 2], confirmed: bool) -> Point {
         let PlacedEcho { range_m, fired, odometer_m, .. } = *echo;
-        Point { at_m, range_m, fired, odometer_m, confirmed, carved: 0 }
+        Point { at_m, range_m, fired, odometer_m, confirmed, carved: 0, since: fired }
     }
 
     pub(super) fn fold(&self, digest: &mut Digest, start: Time) {
         digest.numbers(&[self.at_m[0], self.at_m[1], self.range_m, self.odometer_m]);
         digest.time(self.fired, start);
         digest.word(u64::from(self.carved) << 1 | u64::from(self.confirmed));
+        digest.time(self.since, start);
     }
 }
 
@@ -128,14 +137,28 @@ impl Points {
     pub(super) fn hear(&mut self, echo: &PlacedEcho) -> bool {
         let arc = Arc::of(echo, self.confirm_slope);
         let confirmed = self.kept.iter().any(|point| arc.confirms(point, &arc.sight(point)));
+        let mut since = [echo.fired; ARC_POINTS];
         if confirmed {
+            self.date_back(&arc, &mut since);
             self.weigh(&arc);
         }
-        for at_m in echo.arc_m {
+        for (at_m, since) in echo.arc_m.into_iter().zip(since) {
             self.make_room();
-            self.kept.push(Point::new(echo, at_m, confirmed));
+            self.kept.push(Point { since, ..Point::new(echo, at_m, confirmed) });
         }
         confirmed
+    }
+
+    /// Since when there is something at each of an echo's points: as long as at the points that it
+    /// repeats.
+    fn date_back(&self, arc: &Arc<'_>, since: &mut [Time; ARC_POINTS]) {
+        for point in self.kept.iter().filter(|point| point.fired < arc.echo.fired) {
+            for (at_m, since) in arc.echo.arc_m.iter().zip(since.iter_mut()) {
+                if arc.repeats_at(point, *at_m) && point.since < *since {
+                    *since = point.since;
+                }
+            }
+        }
     }
 
     /// Lets a confirmed echo bear on every point.
@@ -166,10 +189,16 @@ impl Points {
         }
     }
 
-    /// Forgets what is too old at `now`.
-    pub(super) fn age(&mut self, now: Time) {
+    /// Forgets what is too old at `now`, when the odometer stands at `odometer_m`.
+    pub(super) fn age(&mut self, now: Time, odometer_m: f64) {
         self.kept.retain(|point| {
-            let life_s = if point.confirmed { CONFIRMED_LIFE_S } else { UNCONFIRMED_LIFE_S };
+            let life_s = if !point.confirmed {
+                UNCONFIRMED_LIFE_S
+            } else if odometer_m - point.odometer_m <= RESTING_WITHIN_M {
+                RESTING_LIFE_S
+            } else {
+                CONFIRMED_LIFE_S
+            };
             now.seconds_since(point.fired) <= life_s
         });
     }
@@ -245,10 +274,13 @@ impl Arc<'_> {
 
     /// Whether one of the arc's points stands where this one does.
     fn repeats(&self, point: &Point) -> bool {
-        self.echo.arc_m.iter().any(|at_m| {
-            let [dx, dy] = [at_m[0] - point.at_m[0], at_m[1] - point.at_m[1]];
-            dx * dx + dy * dy <= self.repeat_within_m2
-        })
+        self.echo.arc_m.iter().any(|at_m| self.repeats_at(point, *at_m))
+    }
+
+    /// Whether a place is that of a point.
+    fn repeats_at(&self, point: &Point, at_m: [f64; 2]) -> bool {
+        let [dx, dy] = [at_m[0] - point.at_m[0], at_m[1] - point.at_m[1]];
+        dx * dx + dy * dy <= self.repeat_within_m2
     }
 }
 

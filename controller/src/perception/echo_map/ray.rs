@@ -1,5 +1,9 @@
 //! How far a disc travels before it touches a point.
 
+use schemas::{Footprint, Pose};
+
+use super::beam::unit;
+
 /// Discs about points are at least this share of their distance wide, in radius, so that the five
 /// points of an arc (5° apart) leave no hole for a point robot: tan 2.5°, rounded up.
 pub(super) const LEAST_RADIUS_SHARE: f64 = 0.045;
@@ -17,7 +21,9 @@ pub(super) struct Ray {
 
 impl Ray {
     /// Free travel, metres, to the first of the discs of its radius about the points, +∞ if none is
-    /// met; negative inside one (specification, section 6).
+    /// met; negative inside one whose point it comes nearer to (specification, section 6). A wall is
+    /// many points: from inside their discs the ways that lead away from all of them are free, as they
+    /// are from beyond a face of a room.
     pub(super) fn free_m(&self, points_m: &[[f64; 2]]) -> f64 {
         let mut free_m = f64::INFINITY;
         for at_m in points_m {
@@ -30,10 +36,49 @@ impl Ray {
             // Most discs are missed, or too far ahead to matter: told without a square root.
             let beyond_m = (forward_m - free_m).max(0.0);
             if half_chord_m2 > beyond_m * beyond_m {
-                let half_chord_m = half_chord_m2.sqrt();
-                if forward_m + half_chord_m > 0.0 {
-                    free_m = forward_m - half_chord_m;
+                // What lies behind is either left behind already or being left.
+                if forward_m > 0.0 {
+                    free_m = forward_m - half_chord_m2.sqrt();
                 }
+            }
+        }
+        free_m
+    }
+}
+
+/// The straight path of a rectangle along its own axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lane {
+    /// Where its middle starts, metres.
+    pub(super) from_m: [f64; 2],
+    /// Unit vector.
+    pub(super) along: [f64; 2],
+    /// Half its length and half its width, metres.
+    pub(super) half_m: [f64; 2],
+}
+
+impl Lane {
+    /// That of a footprint about `from` which points along a world angle.
+    pub(super) fn of(footprint: &Footprint, from: &Pose, angle_rad: f64) -> Lane {
+        Lane {
+            from_m: from.position_m(),
+            along: unit(angle_rad),
+            half_m: [0.5 * footprint.length_m, 0.5 * footprint.width_m],
+        }
+    }
+
+    /// Free travel, metres, until its front meets a point, +∞ if none is met; negative where it covers
+    /// one that is not behind its middle.
+    pub(super) fn free_m(&self, points_m: &[[f64; 2]]) -> f64 {
+        let [half_length_m, half_width_m] = self.half_m;
+        let mut free_m = f64::INFINITY;
+        for at_m in points_m {
+            let [dx, dy] = [at_m[0] - self.from_m[0], at_m[1] - self.from_m[1]];
+            let aside_m = (dx * self.along[1] - dy * self.along[0]).abs();
+            let forward_m = dx * self.along[0] + dy * self.along[1];
+            let wide_m = half_width_m.max(LEAST_RADIUS_SHARE * forward_m);
+            if forward_m > 0.0 && aside_m < wide_m {
+                free_m = free_m.min(forward_m - half_length_m);
             }
         }
         free_m
@@ -62,10 +107,30 @@ mod tests {
         assert_eq!(free_m(&point, [0.0; 2], [0.0, 1.0], 0.5), f64::INFINITY);
     }
 
-    /// 0.3 m from a point with a disc of 0.5 m: 0.2 m back to the edge.
+    /// 0.3 m from a point with a disc of 0.5 m: 0.2 m back to the edge. Turning the back on it, or the
+    /// side, leads out.
     #[test]
-    fn inside_a_disc_the_way_is_negative() {
-        assert!((free_m(&[[0.3, 0.0]], [0.0; 2], [1.0, 0.0], 0.5) + 0.2).abs() < 1e-15);
+    fn inside_a_disc_the_way_on_is_negative_and_the_way_out_is_free() {
+        let point = [[0.3, 0.0]];
+        assert!((free_m(&point, [0.0; 2], [1.0, 0.0], 0.5) + 0.2).abs() < 1e-15);
+        assert_eq!(free_m(&point, [0.0; 2], [-1.0, 0.0], 0.5), f64::INFINITY);
+        assert_eq!(free_m(&point, [0.0; 2], [0.0, 1.0], 0.5), f64::INFINITY);
+        // One more on the other side: out of this one is into that.
+        let both = [[0.3, 0.0], [-0.4, 0.0]];
+        assert!((free_m(&both, [0.0; 2], [-1.0, 0.0], 0.5) + 0.1).abs() < 1e-15);
+    }
+
+    /// A square of 0.5 m meets with its front edge, 0.25 m ahead of its middle, what is less than 0.25 m
+    /// aside; what is behind its middle it leaves.
+    #[test]
+    fn a_rectangle_meets_points_with_its_front() {
+        let free_m = |point: [f64; 2]| {
+            Lane { from_m: [0.5, 0.0], along: [1.0, 0.0], half_m: [0.25; 2] }.free_m(&[point])
+        };
+        assert!((free_m([2.0, 0.2]) - 1.25).abs() < 1e-15);
+        assert_eq!(free_m([2.0, -0.26]), f64::INFINITY);
+        assert!((free_m([0.6, 0.1]) + 0.15).abs() < 1e-15);
+        assert_eq!(free_m([0.4, 0.1]), f64::INFINITY);
     }
 
     /// A point robot does not slip between points 5° apart.

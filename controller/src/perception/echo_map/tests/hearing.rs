@@ -101,10 +101,10 @@ fn too_near_to_tell_is_contact() {
     rig.wait(320);
     rig.sweep(&[(3, 0.10)]);
     // Free travel is counted from where the disc would first touch the point (0.245, 0.027), which lies
-    // inside it: from −x that is half a chord before, from +x half a chord beyond.
+    // inside it: from −x that is half a chord before. Backwards leads away from it.
     let half_chord_m = libm::sqrt(RADIUS_M * RADIUS_M - 0.027 * 0.027);
     assert!((rig.law(0.0) - (0.245 - half_chord_m)).abs() < 1e-9, "{}", rig.law(0.0));
-    assert!((rig.law(180.0) - (-0.245 - half_chord_m)).abs() < 1e-9, "{}", rig.law(180.0));
+    assert_eq!(rig.law(180.0), f64::INFINITY);
 }
 
 /// At 70° no sonar looks. The one at 50° (id 1, mount (0.193, 0.119)) hears 1.5 m, so the gap holds
@@ -169,15 +169,38 @@ fn confirmation_takes_a_like_range() {
     }
 }
 
-/// Obstacles may come nearer by 0.3 m/s times the age until they are looked at again: 0.3 m/s · 0.4 s = 0.12 m.
+/// Obstacles may come nearer by 0.3 m/s times the age until they are looked at again, for the safety
+/// layer: 0.3 m/s · 0.4 s = 0.12 m. The law goes by where they were heard.
 #[test]
 fn young_echoes_may_be_moving() {
     let mut rig =
         Rig::with(EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.3, lease_s: 0.5 });
     rig.sweep_twice(&[(3, 1.755), (4, 1.755)]);
-    let fresh_m = rig.law(0.0);
+    let still_m = to_point_m([2.0, 0.027], 0.01755);
+    assert!((rig.safety(0.0) - still_m).abs() < 1e-9);
     rig.wait(400);
     let wanted_m = to_point_m([2.0, 0.027], 0.01755 + 0.12);
-    assert!((rig.law(0.0) - wanted_m).abs() < 1e-9);
-    assert!((fresh_m - to_point_m([2.0, 0.027], 0.01755)).abs() < 1e-9);
+    assert!((rig.safety(0.0) - wanted_m).abs() < 1e-9);
+    assert!((rig.law(0.0) - still_m).abs() < 1e-9);
+}
+
+/// What has echoed from one place for a second stands there, also for the safety layer; a second of
+/// echoes from nearer and nearer does not say so. 0.055 m per sweep is more than the 0.03 m + 2 % within
+/// which a range of 1 m is repeated.
+#[test]
+fn what_has_stood_for_a_second_is_not_on_its_way() {
+    let moved_m = |per_sweep_m: f64| {
+        let settings = EchoMapSettings { inflation_m: RADIUS_M, v_disc_mps: 0.3, lease_s: 0.5 };
+        let mut rig = Rig::with(settings);
+        let mut range_m = 1.0 + 5.0 * per_sweep_m;
+        for _ in 0..5 {
+            range_m -= per_sweep_m;
+            rig.sweep(&[(3, range_m), (4, range_m)]);
+            rig.wait(320);
+        }
+        rig.law(0.0) - rig.safety(0.0)
+    };
+    assert!(moved_m(0.0).abs() < 1e-9, "{}", moved_m(0.0));
+    // 0.3 m/s · 0.32 s, straight ahead but for the 0.027 m by which the sonars stand aside.
+    assert!((moved_m(0.055) - 0.096).abs() < 1e-3, "{}", moved_m(0.055));
 }

@@ -81,6 +81,10 @@ proptest! {
         let law = map.law_limit(odometry, &from, angle_rad);
         prop_assert_eq!(law.map(|echo| echo.free_m), finite(map.law_ray_m(&from, angle_rad)));
         prop_assert!(law.is_none_or(|echo| echo.confirmed));
+        let body = Footprint { length_m: 0.5, width_m: 0.4 };
+        let travel = map.law_travel_limit(&body, odometry, &from, angle_rad);
+        let travel_m = map.law_travel_m(&body, &from, angle_rad);
+        prop_assert_eq!(travel.map(|echo| echo.free_m), finite(travel_m));
         let safety = map.safety_limit(odometry, &from, angle_rad);
         if map.known(angle_rad - from.theta_rad) {
             let safety_m = map.safety_ray_m(&from, angle_rad);
