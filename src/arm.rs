@@ -48,14 +48,14 @@ impl Arm {
         }
     }
 
-    /// Why the arm ended before its log should have, where it did.
-    fn damage(self) -> Result<()> {
-        match self {
-            Arm::Recorded(_) => Ok(()),
-            Arm::Replayed(replay) => match replay.finish()?.damage {
-                None => Ok(()),
-                Some(damage) => Err(anyhow!(damage)),
-            },
+    /// Until when the recorded person is to be believed, where that is known; an error where the arm
+    /// ended before its log should have.
+    fn finish(self) -> Result<Option<f64>> {
+        let Arm::Replayed(replay) = self else { return Ok(None) };
+        let outcome = replay.finish()?;
+        match outcome.damage {
+            None => Ok(outcome.horizon.map(|h| h.first_s().unwrap_or(outcome.duration_s))),
+            Some(damage) => Err(anyhow!(damage)),
         }
     }
 }
@@ -127,8 +127,13 @@ fn level(log: &Log<'_>, (a, b): (&ControllerChoice, &ControllerChoice), mode: Mo
     match (Arm::new(log, a, mode), Arm::new(log, b, mode)) {
         (Ok(a), Ok(b)) => {
             let (a, b, diff) = walk(&log.header, a, b);
-            let text = |result: Result<Measured>| result.map_err(|error| format!("{error:#}"));
-            (level.a, level.b) = (text(a), text(b));
+            let horizons = [&a, &b].map(|arm| arm.as_ref().ok().and_then(|(_, horizon)| *horizon));
+            level.horizon_s = horizons.into_iter().flatten().reduce(f64::min);
+            let run = |arm: Walked| match arm {
+                Ok((measured, _)) => Ok(measured),
+                Err(error) => Err(format!("{error:#}")),
+            };
+            (level.a, level.b) = (run(a), run(b));
             level.diff = Some(diff.map_err(|error| format!("{error:#}")));
         }
         (a, b) => {
@@ -145,7 +150,10 @@ fn level(log: &Log<'_>, (a, b): (&ControllerChoice, &ControllerChoice), mode: Mo
     level
 }
 
-fn walk(header: &Header, a: Arm, b: Arm) -> (Result<Measured>, Result<Measured>, Result<Diff>) {
+/// What one arm comes to: its metrics and its horizon.
+type Walked = Result<(Measured, Option<f64>)>;
+
+fn walk(header: &Header, a: Arm, b: Arm) -> (Walked, Walked, Result<Diff>) {
     let (a, b) = (Side::new(header, a), Side::new(header, b));
     let start = header.run.start;
     let diff = compare::diff::<anyhow::Error>(
@@ -187,11 +195,12 @@ impl Side {
         }
     }
 
-    fn finish(self) -> Result<Measured> {
+    fn finish(self) -> Walked {
         if let Some(error) = self.failed.into_inner() {
             return Err(error);
         }
-        self.arm.into_inner().damage().context("only part of the log could be replayed")?;
-        Ok(self.meter.into_inner().finish()?)
+        let arm = self.arm.into_inner();
+        let horizon_s = arm.finish().context("only part of the log could be replayed")?;
+        Ok((self.meter.into_inner().finish()?, horizon_s))
     }
 }

@@ -29,10 +29,11 @@ mod synthetic;
 pub use comparison::{
     Arm, ArmInfo, Change, Comparison, Gate, GateFile, GateResult, Indication, LevelChange,
     LevelPair, LevelResult, LogPair, LogResult, LogStatus, MetricChange, MetricGate, Moment,
-    ParameterChange, Provenance, Question, Scene, Verdict, ViolationRecord, compare,
+    ParameterChange, Provenance, Question, Scene, Swap, Values, Verdict, ViolationRecord, compare,
+    swap_parameters,
 };
 pub use diff::{
-    Compared, Diff, Differ, FieldDifference, FirstCause, Reading, Tolerance, Tolerances, diff,
+    Base, Compared, Diff, Differ, FieldDifference, FirstCause, Reading, Tolerance, Tolerances, diff,
 };
 pub use error::CompareError;
 pub use metrics::{

@@ -186,6 +186,7 @@ pub(crate) fn pair(log: &str, a: &Run, b: &Run) -> crate::LogPair {
         levels: vec![crate::LevelPair {
             human: String::new(),
             estimates: true,
+            horizon_s: None,
             a: Ok(a.measured()),
             b: Ok(b.measured()),
             diff: Some(diff.map_err(|error| error.to_string())),

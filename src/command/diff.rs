@@ -30,7 +30,8 @@ pub struct Diff {
     /// The other
     #[arg(value_name = "RUN_B")]
     b: PathBuf,
-    /// TOML file with an absolute and a relative tolerance per field [default: exact]
+    /// TOML file with an absolute and a relative tolerance per field or unit, or the word `practical`
+    /// for what nobody would notice [default: exact]
     #[arg(long, value_name = "FILE")]
     tolerance: Option<PathBuf>,
 }
@@ -39,6 +40,7 @@ impl Diff {
     pub fn run(&self, common: &Common) -> Result<Status> {
         let tolerances = match &self.tolerance {
             None => Tolerances::exact(),
+            Some(word) if word.as_os_str() == "practical" => Tolerances::practical(),
             Some(file) => {
                 let text = fs::read_to_string(file)
                     .with_context(|| format!("cannot read tolerances {}", file.display()))?;

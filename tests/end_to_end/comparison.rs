@@ -151,3 +151,76 @@ fn metrics_of_a_run_and_their_catalogue() {
         assert!(list.stdout.contains(name), "{}", list.stdout);
     }
 }
+
+/// A gate file decides the exit status: passed 0, failed 1, undecided 3, unusable 2. What it says of each
+/// metric is in the JSON, and every report is written.
+#[test]
+fn a_gate_decides_the_exit_status() {
+    let here = Workplace::new();
+    let mut logs = String::new();
+    for number in 1..=8 {
+        let name = format!("{number}.mcap");
+        here.record(
+            &name,
+            &format!("--scenario random:rect:joystick:{number} --sensors exact --controller human"),
+        );
+        logs.extend([" ", &name]);
+    }
+    let gate = |text: &str| fs::write(here.path("gate.toml"), text).unwrap();
+    let compare = |b: &str, more: &str| {
+        here.tandem(&format!(
+            "compare --format json --force --gate gate.toml --a tandem-kinematic --b {b} {more} {logs}"
+        ))
+    };
+    gate("[metrics.human_share]\nmargin = 0.0\n");
+    let passed = compare("tandem-kinematic", "--report out --summary summary.md").exits(0).json();
+    assert_eq!(passed["gate"]["outcome"], "pass");
+    for report in passed["report"].as_array().unwrap() {
+        assert!(here.path(report.as_str().unwrap()).exists(), "{report}");
+    }
+    assert_eq!(passed["report"].as_array().unwrap().len(), 5);
+    let summary = fs::read_to_string(here.path("summary.md")).unwrap();
+    assert_eq!(summary, fs::read_to_string(here.path("out/report.md")).unwrap());
+
+    // A human share of more than 1 is never reached.
+    gate("[metrics.human_share]\nmean_limit = 1.1\n");
+    let failed = compare("tandem-kinematic", "").exits(1).json();
+    let of = |json: &serde_json::Value, name: &str| {
+        let metrics = json["metrics"].as_array().unwrap();
+        metrics.iter().find(|metric| metric["name"] == name).unwrap()["gate"].clone()
+    };
+    assert_eq!(of(&failed, "human_share"), "fail");
+    assert_eq!(of(&failed, "override_m"), "none");
+
+    gate("[metrics.human_share]\nmargin = 0.0\nrequired_n = 9\n");
+    assert_eq!(compare("tandem-kinematic", "").exits(3).json()["gate"]["outcome"], "undecided");
+
+    gate("[metrics.human_share]\nmargin = -1\n");
+    let refused = compare("tandem-kinematic", "").exits(2);
+    assert!(refused.stderr.contains("`metrics.human_share.margin` = -1"), "{}", refused.stderr);
+}
+
+/// Every level of the ladder in one comparison: A against A is the same at each, and parameters that
+/// differ are told.
+#[test]
+fn a_comparison_runs_the_whole_ladder() {
+    let here = Workplace::new();
+    here.record("a.mcap", "--scenario random:rect:goal:3 --sensors exact");
+    here.record("b.mcap", "--scenario random:slant:joystick:4 --sensors exact");
+    let compare = |b: &str| {
+        here.tandem(&format!(
+            "compare --format json --human ladder --a tandem-kinematic --b {b} a.mcap b.mcap"
+        ))
+        .json()
+    };
+    let same = compare("tandem-kinematic");
+    assert_eq!(same["verdict"], "same");
+    assert_eq!(same["human"].as_array().unwrap().len(), 4);
+    // The recording controller in closed loop is the recording, at every level.
+    for floor in same["logs"][0]["floor"].as_object().unwrap().values() {
+        assert_eq!(*floor, 0.0);
+    }
+    let other = compare("tandem-kinematic:gamma3=3.0");
+    assert_eq!(other["provenance"]["parameters"][0]["key"], "gamma3");
+    assert_eq!(other["logs"][0]["levels"].as_array().unwrap().len(), 4);
+}

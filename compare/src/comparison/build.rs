@@ -47,6 +47,9 @@ pub struct LevelPair {
     /// Whether it counts towards the estimate. A level that only stresses the controller does not; if
     /// none does, all count.
     pub estimates: bool,
+    /// Until when the recorded person is to be believed in both arms, seconds; `None` where that was
+    /// not determined.
+    pub horizon_s: Option<f64>,
     /// A's run, or why there is none.
     pub a: Result<Measured, String>,
     /// B's run, or why there is none.
@@ -77,7 +80,14 @@ impl LevelPair {
     /// A level of which nothing could be run.
     pub fn failed(error: &str) -> LevelPair {
         let error = || Err(error.to_owned());
-        LevelPair { human: String::new(), estimates: true, a: error(), b: error(), diff: None }
+        LevelPair {
+            human: String::new(),
+            estimates: true,
+            horizon_s: None,
+            a: error(),
+            b: error(),
+            diff: None,
+        }
     }
 
     /// Everything there is of a level that went well; otherwise what went wrong.
@@ -191,7 +201,12 @@ fn log_result(log: &LogPair, cluster: String) -> LogResult {
         status: LogStatus::Ok,
         error: None,
         operator: log.operator.clone(),
-        horizon_s: None,
+        horizon_s: log
+            .levels
+            .iter()
+            .filter(|level| log.counts(level))
+            .filter_map(|level| level.horizon_s)
+            .reduce(f64::min),
         cluster,
         hash: log.hash.clone(),
         metrics: BTreeMap::new(),

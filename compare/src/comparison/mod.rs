@@ -17,6 +17,7 @@ mod indication;
 mod moments;
 mod provenance;
 mod result;
+mod swap;
 mod verdict;
 
 #[cfg(test)]
@@ -29,3 +30,4 @@ pub use result::{
     LogResult, LogStatus, MetricChange, Moment, ParameterChange, Provenance, Scene, Verdict,
     ViolationRecord,
 };
+pub use swap::{Swap, Values, swap_parameters};

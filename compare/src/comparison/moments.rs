@@ -4,6 +4,8 @@
 //! Both arms' metrics are split into equal bins of time; neighbouring bins whose difference has
 //! the same sign make a stretch. All stretches of a log together add up to the metric's change.
 
+use std::cmp::Ordering;
+
 use super::result::{Arm, Moment};
 use crate::metrics::{CATALOGUE, Group, Measured, Metric, Switch};
 use crate::report::{number, seconds, with_unit};
@@ -171,11 +173,22 @@ fn stayed(switch: &Switch) -> String {
 /// Why a switch happened, as far as the step says.
 fn circumstances(switch: &Switch) -> String {
     let mut parts = vec![switch.reason.name().replace('_', " ")];
-    if !switch.distance_human_m.is_nan() {
-        parts.push(format!("D = {} m", number(Some(switch.distance_human_m))));
+    let (before, now) = (switch.distance_before_m, switch.distance_human_m);
+    if !now.is_nan() {
+        let metres = |x: f64| number(Some(x));
+        parts.push(match now.partial_cmp(&before) {
+            Some(Ordering::Less) => format!("D fell from {} to {} m", metres(before), metres(now)),
+            Some(Ordering::Greater) => {
+                format!("D rose from {} to {} m", metres(before), metres(now))
+            }
+            _ => format!("D = {} m", metres(now)),
+        });
     }
     if switch.v_h_mps.is_finite() {
         parts.push(format!("requested {} m/s", number(Some(switch.v_h_mps))));
+    }
+    if let Some((sonar, range_m)) = switch.nearest_echo {
+        parts.push(format!("nearest echo {} m at sonar {sonar}", number(Some(range_m))));
     }
     parts.join(", ")
 }

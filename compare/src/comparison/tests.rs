@@ -276,6 +276,40 @@ fn moments_tell_when_and_why() {
     assert!(moment.why.starts_with("in A the feedback law took over at 1.00 s"), "{}", moment.why);
 }
 
+/// What the trace and the sonars tell of a switch is said.
+#[test]
+fn a_moment_names_the_distance_that_fell_and_the_echo() {
+    let arm = |takes_over: bool| {
+        let mut run = Run::new();
+        for i in 0..20 {
+            let t_s = f64::from(i) * 0.1;
+            let stamp = crate::synthetic::at(t_s);
+            let echo = schemas::SonarEcho { id: 3, range_m: 0.42, echo: true, fired: stamp };
+            let scan = schemas::SonarScan { stamp, echoes: vec![echo] };
+            run.events.push(schemas::Stamped {
+                at: stamp,
+                value: schemas::Event::Sample(schemas::Sample::Sonar(scan)),
+            });
+            let feedback = takes_over && i >= 10;
+            run.step(t_s, |step| {
+                step.distance_human_m = if i < 10 { 0.45 } else { 0.31 };
+                if feedback {
+                    (step.k, step.reason) = (0.0, Reason::Danger);
+                }
+            });
+            run.command(t_s, if feedback { 0.3 } else { 0.5 }, 0.0);
+        }
+        run
+    };
+    let got = compare(&question(), vec![pair("log", &arm(false), &arm(true))]).expect("B engages");
+    let moment = got.moments.iter().find(|m| m.metric == "override_m").expect("it changed");
+    assert_eq!(
+        moment.why,
+        "in B the feedback law took over at 1.00 s (danger, D fell from 0.450 to 0.310 m, requested \
+         0.500 m/s, nearest echo 0.420 m at sonar 3); in A the person had driven since 0.00 s"
+    );
+}
+
 /// The shape that other programs read.
 #[test]
 fn json_has_the_agreed_keys_and_survives_the_way_back() {

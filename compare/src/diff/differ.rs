@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cause::{Candidate, First, FirstCause, sentence};
 use super::field::{FieldDifference, Row, command_rows, step_rows};
+use super::lag::Lag;
 use super::reading::{Cell, Reading, command_cells, step_cells};
 use super::tolerance::{Tolerance, Tolerances};
 use crate::CompareError;
@@ -50,6 +51,8 @@ struct Side {
     start: Time,
     queues: [VecDeque<Waiting>; 2],
     ended: bool,
+    /// Whether its law commands accelerations, from its first command.
+    accelerates: Option<bool>,
 }
 
 impl Side {
@@ -60,7 +63,10 @@ impl Side {
     fn push(&mut self, event: &Stamped<Event>) {
         let (topic, stamp, cells) = match &event.value {
             Event::Step(step) => (STEP, step.stamp, step_cells(step)),
-            Event::Command(command) => (COMMAND, command.stamp, command_cells(command)),
+            Event::Command(command) => {
+                self.accelerates.get_or_insert(command.accel.is_some());
+                (COMMAND, command.stamp, command_cells(command))
+            }
             _ => return,
         };
         let key = i128::from(stamp.0) - i128::from(self.start.0);
@@ -76,6 +82,7 @@ struct Topic {
     rows: Vec<Row>,
     tolerances: Vec<Option<Tolerance>>,
     found: Vec<Option<FieldDifference>>,
+    lags: Vec<Lag>,
     only: [Option<FieldDifference>; 2],
     only_names: [&'static str; 2],
     node: Node,
@@ -96,6 +103,7 @@ impl Topic {
         Topic {
             tolerances: rows.iter().map(|row| tolerances.of(row)).collect(),
             found: rows.iter().map(|_| None).collect(),
+            lags: rows.iter().map(|_| Lag::default()).collect(),
             reason: rows.iter().position(|row| row.name == "reason"),
             rows,
             only: [None, None],
@@ -120,6 +128,17 @@ pub struct Differ {
 impl std::fmt::Debug for Differ {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Differ").field("compared", &self.compared).finish_non_exhaustive()
+    }
+}
+
+/// Of a unit that depends on the law, `m/s or m/s²`, the one for velocities or for accelerations; any
+/// other unit as it is.
+fn of_law(unit: &str, accelerates: bool) -> String {
+    match unit.split_once(" or ") {
+        None => unit.to_owned(),
+        Some((velocity, acceleration)) => {
+            (if accelerates { acceleration } else { velocity }).to_owned()
+        }
     }
 }
 
@@ -181,17 +200,33 @@ impl Differ {
         let mut fields = Vec::new();
         for topic in self.topics {
             fields.extend(topic.only.into_iter().flatten());
-            fields.extend(topic.found.into_iter().flatten());
+            fields.extend(topic.found.into_iter().zip(topic.lags).filter_map(|(found, lag)| {
+                Some(FieldDifference { lag_steps: lag.steps(), ..found? })
+            }));
         }
         if self.compared.messages == 0 && fields.is_empty() {
             return Err(CompareError::NothingToDiff);
+        }
+        let mut first_cause = self.first.cause();
+        if let [Some(a), Some(b)] = self.sides.map(|side| side.accelerates)
+            && a == b
+        {
+            // Which of the two units is known now.
+            for field in &mut fields {
+                field.unit = of_law(&field.unit, a);
+            }
+            if let Some(cause) = &mut first_cause {
+                let unit = of_law(&cause.unit, a);
+                cause.reason = cause.reason.replace(&cause.unit, &unit);
+                cause.unit = unit;
+            }
         }
         Ok(Diff {
             same: fields.is_empty(),
             same_behaviour: fields.iter().all(|field| field.field == "state_hash"),
             compared: self.compared,
             fields,
-            first_cause: self.first.cause(),
+            first_cause,
         })
     }
 
@@ -226,6 +261,11 @@ impl Differ {
         let mut differs = false;
         for (i, (&cell_a, &cell_b)) in a.cells.iter().zip(&b.cells).enumerate() {
             let Some(tolerance) = topic.tolerances[i] else { continue };
+            if let (Cell::Number(a), Cell::Number(b)) = (cell_a, cell_b)
+                && topic.rows[i].node >= Node::Law
+            {
+                topic.lags[i].pair(a, b);
+            }
             if tolerance.same(cell_a, cell_b) {
                 continue;
             }

@@ -81,6 +81,9 @@ pub struct FieldDifference {
     pub count: u64,
     /// In how many of these only one of the runs has a number (the other NaN).
     pub undefined: u64,
+    /// By how many steps the second run lags behind the first, negative where it leads; `None` where
+    /// no shift of up to five steps explains at least nine tenths of the squared difference.
+    pub lag_steps: Option<i32>,
     /// What was allowed.
     pub tolerance: Tolerance,
 }
@@ -97,6 +100,7 @@ impl FieldDifference {
             first_at_s: t_s,
             count: 0,
             undefined: 0,
+            lag_steps: None,
             tolerance,
         }
     }

@@ -4,12 +4,15 @@
 //! by their time from the start of their run. Fields come from the step's own catalogue
 //! ([`schemas::Step::FIELDS`]), so a field added to the schema is compared without a word here.
 //!
+//! Where one run says the same some steps later, the field's row says by how many.
+//!
 //! NaN equals NaN: both runs do not know. NaN against a number is a difference. A step or command
 //! that only one run has is a difference, with a row of its own.
 
 mod cause;
 mod differ;
 mod field;
+mod lag;
 mod reading;
 mod tolerance;
 
@@ -20,4 +23,4 @@ pub use cause::FirstCause;
 pub use differ::{Compared, Diff, Differ, diff};
 pub use field::FieldDifference;
 pub use reading::Reading;
-pub use tolerance::{Tolerance, Tolerances};
+pub use tolerance::{Base, Tolerance, Tolerances};

@@ -187,7 +187,7 @@ fn the_first_cause_is_earliest_in_time_then_in_the_data_flow() {
         fields(&diff),
         ["pose.x_m", "d2l_m", "theta_star_rad", "k", "reason", "u_s[0]", "u_s[1]"]
     );
-    assert_eq!(diff.fields[6].unit, "rad/s or rad/s²");
+    assert_eq!(diff.fields[6].unit, "rad/s");
 }
 
 /// A sentence has the digits of a report, or as many as it takes to tell the two apart.
@@ -339,4 +339,71 @@ fn json_has_the_agreed_keys_and_survives_the_way_back() {
     assert_eq!(back, diff);
     let same = serde_json::to_value(exact(&run(), &run())).expect("has a JSON form");
     assert!(same["first_cause"].is_null());
+}
+
+/// Thirty steps of a law that commands velocities, or accelerations; `k` and `u_s` as given by step.
+fn commanded(accelerates: bool, u_s: impl Fn(usize) -> f64) -> Run {
+    let mut run = Run::new();
+    for i in 0..30 {
+        let t_s = i as f64 * 0.1;
+        let u = u_s(i);
+        run.step(t_s, |step| step.u_s = [u, 0.0]);
+        let command = schemas::Command {
+            stamp: at(t_s),
+            twist: schemas::Twist { v_mps: 0.5, omega_radps: 0.0 },
+            accel: accelerates.then_some([0.0, 0.0]),
+        };
+        let value = Event::Command(command);
+        run.events.push(Stamped { at: at(t_s).after_ns(7), value });
+    }
+    run
+}
+
+/// An input is a velocity or an acceleration: the commands tell which.
+#[test]
+fn inputs_have_the_unit_of_their_law() {
+    for (accelerates, unit) in [(false, "m/s"), (true, "m/s²")] {
+        let diff = exact(&commanded(accelerates, |_| 0.1), &commanded(accelerates, |_| 0.3));
+        assert_eq!(diff.fields[0].field, "u_s[0]");
+        assert_eq!(diff.fields[0].unit, unit);
+        let cause = diff.first_cause.expect("they differ");
+        assert_eq!(cause.unit, unit);
+        assert!(cause.reason.contains(&format!("0.100 {unit} in A and")), "{}", cause.reason);
+    }
+    // Laws of both kinds have no common unit.
+    let mixed = exact(&commanded(false, |_| 0.1), &commanded(true, |_| 0.3));
+    assert_eq!(mixed.fields[0].unit, "m/s or m/s²");
+}
+
+#[test]
+fn one_step_of_lag_is_told() {
+    let wave = |i: usize| libm::sin(0.5 * i as f64);
+    let late = exact(&commanded(false, |i| wave(i + 1)), &commanded(false, wave));
+    assert_eq!(late.fields[0].lag_steps, Some(1));
+    let early = exact(&commanded(false, wave), &commanded(false, |i| wave(i + 2)));
+    assert_eq!(early.fields[0].lag_steps, Some(-2));
+    let larger = exact(&commanded(false, wave), &commanded(false, |i| 1.1 * wave(i)));
+    assert_eq!(larger.fields[0].lag_steps, None);
+}
+
+/// What nobody would notice is the same; what somebody would is not; a row of the file comes first.
+#[test]
+fn practical_tolerances_go_by_unit() {
+    let with = |toml: &str, change: fn(&mut schemas::Step)| {
+        let tolerances = Tolerances::from_toml(toml).expect("valid");
+        between(&run(), &with_step(run(), 1, change), &tolerances).same
+    };
+    let practical = "base = \"practical\"";
+    assert!(with(practical, |step| step.v_mps += 0.0009));
+    assert!(!with(practical, |step| step.v_mps += 0.0011));
+    assert!(with(practical, |step| step.state_hash = 9));
+    assert!(!with("", |step| step.state_hash = 9));
+    assert!(!with(practical, |step| step.law_branch = LawBranch::Left));
+    let finer = "base = \"practical\"\n[units.\"m/s\"]\nabs = 1e-6";
+    assert!(!with(finer, |step| step.v_mps += 0.0009));
+    assert!(with(finer, |step| step.pose.x_m += 0.0009));
+    let own = "base = \"practical\"\n[fields.v_mps]\nabs = 1.0";
+    assert!(with(own, |step| step.v_mps += 0.9));
+    let error = Tolerances::from_toml("[units.\"km\"]\nabs = 1.0").expect_err("no such unit");
+    assert!(error.to_string().contains("unknown unit \"km\""), "{error}");
 }

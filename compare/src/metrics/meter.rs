@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::accumulate::Accumulate;
 use super::catalogue::{CATALOGUE, Feed};
+use super::echoes::Echoes;
 use super::invariance::{Monitor, Violation};
 use super::judge::{Judge, State};
 use super::profile::Profile;
@@ -77,6 +78,8 @@ pub struct Meter {
     monitor: Monitor,
     surroundings: Surroundings,
     judge: Judge,
+    echoes: Echoes,
+    distance_before_m: f64,
     profile: Profile,
     track: Track,
     basis: Basis,
@@ -118,6 +121,8 @@ impl Meter {
             monitor: Monitor::new(setting.footprint),
             judge: Judge::new(surroundings.clone(), &setting.plant),
             surroundings,
+            echoes: Echoes::default(),
+            distance_before_m: f64::NAN,
             setting,
             profile: Profile::new(),
             track: Track::new(),
@@ -140,6 +145,7 @@ impl Meter {
             Event::Step(step) => self.step(step),
             Event::Command(command) => self.command(command),
             Event::Sample(Sample::Joystick(joystick)) => self.joystick(joystick),
+            Event::Sample(Sample::Sonar(scan)) => self.echoes.scan(scan, self.start),
             Event::Timing(timing) => self.timing(timing),
             Event::Sample(_) | Event::Gap(_) => {}
         }
@@ -253,6 +259,7 @@ impl Meter {
             self.deliver_motion(Some(motion));
         }
         self.pending = Some(self.pending(step, t_s));
+        self.distance_before_m = step.distance_human_m;
     }
 
     fn command(&mut self, command: &Command) {
@@ -316,7 +323,9 @@ impl Meter {
                 reason: step.reason,
                 region: step.region,
                 distance_human_m: step.distance_human_m,
+                distance_before_m: self.distance_before_m,
                 v_h_mps: step.v_h_mps,
+                nearest_echo: self.echoes.nearest(t_s),
             },
         }
     }

@@ -15,6 +15,7 @@ mod clearance;
 mod comfort;
 mod contact;
 mod cost;
+mod echoes;
 mod intervention;
 mod invariance;
 mod judge;

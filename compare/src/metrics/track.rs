@@ -53,8 +53,13 @@ pub struct Switch {
     pub region: Region,
     /// D, metres.
     pub distance_human_m: f64,
+    /// D at the step before, metres; NaN where there was none.
+    pub distance_before_m: f64,
     /// Requested forward speed, m/s.
     pub v_h_mps: f64,
+    /// The sonar with the nearest echo of the last half second, and its range, metres; `None` without
+    /// one.
+    pub nearest_echo: Option<(u8, f64)>,
 }
 
 /// A run, thinned to a bounded number of points.

@@ -25,8 +25,17 @@ pub fn diff_text(diff: &Diff) -> String {
         let _ = writeln!(text, "first cause: {}", cause.reason);
     }
     text.push('\n');
-    let head =
-        ["stage", "field", "unit", "first at s", "count", "max |A - B|", "at s", "max relative"];
+    let head = [
+        "stage",
+        "field",
+        "unit",
+        "first at s",
+        "count",
+        "max |A - B|",
+        "at s",
+        "max relative",
+        "lag",
+    ];
     let mut rows = vec![head.map(str::to_owned).to_vec()];
     for field in &diff.fields {
         let mut count = field.count.to_string();
@@ -42,8 +51,15 @@ pub fn diff_text(diff: &Diff) -> String {
             number(field.max_abs),
             field.max_abs_at_s.map_or_else(|| number(None), |t_s| format!("{t_s:.3}")),
             number(field.max_rel),
+            field.lag_steps.map_or_else(String::new, lag),
         ]);
     }
-    text.push_str(&columns(&[Left, Left, Left, Right, Right, Right, Right, Right], &rows));
+    text.push_str(&columns(&[Left, Left, Left, Right, Right, Right, Right, Right, Left], &rows));
     text
+}
+
+/// `B 2 steps later`.
+fn lag(steps: i32) -> String {
+    let (count, side) = (steps.unsigned_abs(), if steps > 0 { "later" } else { "earlier" });
+    format!("B {count} {} {side}", if count == 1 { "step" } else { "steps" })
 }
