@@ -31,6 +31,11 @@ fixtures-hold:
     target/debug/tandem check fixtures
     .ci/changed-default
 
+# The HTML report in Chromium, used as a reader would; screenshots into docs/report (needs a release build)
+report-page:
+    cargo build --release --locked
+    .ci/report-page docs/report
+
 # Figures and their table in docs/controller.md, section 11
 figures:
     cargo build --release --locked

@@ -2,7 +2,7 @@
 //!
 //! In: a log and a time. The log says what happened ([`moment`]); the controller, stepped over it
 //! again, says which rays and echoes that came from ([`trace`]). Out: an [`Explanation`] as data
-//! ([`account`], made by [`build`]), which [`text`] prints.
+//! ([`account`], made by [`build`]), which [`mod@text`] prints.
 
 mod account;
 mod build;

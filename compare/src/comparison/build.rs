@@ -405,14 +405,15 @@ fn over_logs(metric: &Metric, comparison: &Comparison) -> MetricChange {
 
 fn scene(mut log: LogPair) -> Scene {
     let shown = log.shown();
-    let (a, b) = if log.levels.is_empty() {
-        (None, None)
+    let (human, a, b) = if log.levels.is_empty() {
+        (String::new(), None, None)
     } else {
         let level = log.levels.swap_remove(shown);
-        (level.a.ok(), level.b.ok())
+        (level.human, level.a.ok(), level.b.ok())
     };
     Scene {
         log: log.log,
+        human,
         scenario: log.scenario,
         a: a.map(|run| run.track),
         b: b.map(|run| run.track),

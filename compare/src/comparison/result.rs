@@ -319,6 +319,8 @@ pub struct Moment {
 pub struct Scene {
     /// The log.
     pub log: String,
+    /// The level of the ladder that is shown; empty where there is only one way.
+    pub human: String,
     /// World, body and task.
     pub scenario: Option<Scenario>,
     /// Path of A, where it ran.

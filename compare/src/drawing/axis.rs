@@ -35,6 +35,12 @@ impl Axis {
         Axis { low, high, ends, logarithmic: true }
     }
 
+    /// The values at its two ends.
+    pub(crate) fn range(self) -> [f64; 2] {
+        let value = |x: f64| if self.logarithmic { libm::pow(10.0, x) } else { x };
+        [value(self.low), value(self.high)]
+    }
+
     /// Where a value stands; beyond the ends for values beyond the range, and at the low end for
     /// values that a logarithmic axis does not have. NaN for NaN.
     pub(crate) fn at(self, value: f64) -> f64 {

@@ -2,7 +2,7 @@
 //!
 //! - [`Plan`]: the world from above, metres to units;
 //! - [`Axis`]: a quantity along an axis, with round ticks;
-//! - [`line`]: many points as a short path that looks the same.
+//! - [`path`]: many points as a short path that looks the same.
 //!
 //! Everything comes out as text, rounded once, so that equal runs make equal pictures.
 

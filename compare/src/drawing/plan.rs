@@ -90,6 +90,11 @@ impl Plan {
         Some(Plan { left_m, top_m, scale, size: size.map(|x| x * scale), room_m })
     }
 
+    /// What stands at the upper left corner, metres.
+    pub(crate) fn corner_m(&self) -> [f64; 2] {
+        [self.left_m, self.top_m]
+    }
+
     /// Units of a point; y upwards becomes y downwards.
     pub(crate) fn at(&self, p: [f64; 2]) -> [f64; 2] {
         [(p[0] - self.left_m) * self.scale, (self.top_m - p[1]) * self.scale]

@@ -116,6 +116,14 @@ impl Track {
         }
     }
 
+    /// At most `most` of its points, and the last one: evenly left out where there are more.
+    pub fn thinned(&self, most: usize) -> Vec<&TrackPoint> {
+        let every = self.points.len().div_ceil(most.max(1)).max(1);
+        let last = self.points.len().saturating_sub(1);
+        let kept = |i: &usize| i.is_multiple_of(every) || *i == last;
+        self.points.iter().enumerate().filter(|(i, _)| kept(i)).map(|(_, point)| point).collect()
+    }
+
     /// The last switch at or before `t_s`: who drove then, and since when. `None` before the first,
     /// and after the last one kept where the run had more.
     pub fn driving_at(&self, t_s: f64) -> Option<&Switch> {

@@ -6,6 +6,7 @@
 
 mod csv;
 mod diff_text;
+mod honest;
 mod html;
 mod json;
 mod junit;
@@ -14,6 +15,7 @@ mod markdown;
 mod metrics_text;
 mod number;
 mod plot;
+mod samples;
 mod table;
 mod terminal;
 mod view;

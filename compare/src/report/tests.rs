@@ -335,7 +335,9 @@ fn the_page_escapes_what_comes_from_outside() {
     let comparison = compare(&question, vec![log, failed]).expect("the controllers engage");
     let text = page(&comparison);
     assert!(text.contains("&lt;script&gt;"));
-    assert!(!text.contains("<script") && !text.contains("<img"));
+    // The only script is the page's own.
+    assert_eq!(text.matches("<script").count(), 1);
+    assert!(!text.contains("<img"));
     // Nor does it end an attribute's value.
     assert!(!text.contains("\"><img") && !text.contains("onerror=\""));
     for tag in ["</title>", "<title>end of A</title>"] {
@@ -363,9 +365,16 @@ fn markdown_cells_stay_in_their_cells() {
 fn the_page_stands_alone() {
     let text = page(&comparison());
     assert!(text.contains("default-src 'none'"));
-    for outside in ["http:", "https:", "//cdn", "src=", "<link", "<script", "@import", "url("] {
+    for outside in
+        ["http:", "https:", "//cdn", "src=", "<link", "@import", "url(", "fetch(", "onclick"]
+    {
         assert!(!text.contains(outside), "{outside}");
     }
+    // One script, which stands in the page as it is, and which the policy names by its hash.
+    assert_eq!(text.matches("<script").count(), 1);
+    let script = include_str!("page.js").trim_end();
+    assert!(text.contains(&format!("<script>{script}</script>")));
+    assert!(text.contains("script-src 'sha256-") && !text.contains("script-src 'unsafe"));
     assert!(text.starts_with("<!doctype html>"));
     assert!(text.contains("prefers-color-scheme: dark"));
     assert!(text.contains("#0072B2") && text.contains("#D55E00"));
@@ -374,8 +383,14 @@ fn the_page_stands_alone() {
     for drawn in [
         "class=\"thing\"",
         "class=\"walk\"",
-        "<polyline class=\"a\"",
-        "<polyline class=\"b\"",
+        "<path class=\"a\"",
+        "<path class=\"b\"",
+        "<path class=\"law-a\"",
+        "class=\"robot ra\"",
+        "class=\"robot rb\"",
+        "class=\"cursor\"",
+        "class=\"forest\"",
+        "type=\"range\"",
         "class=\"cross\"",
         "Who drives in A",
         "Who drives in B",
@@ -399,6 +414,85 @@ fn unknown_numbers_do_not_reach_the_drawings() {
     for line in text.lines().filter(|line| line.contains("points=") || line.contains(" d=\"")) {
         assert!(!line.contains("NaN") && !line.contains("inf"), "{line}");
     }
+}
+
+/// Verdict, metrics, violations, moments, belief, logs: in this order.
+#[test]
+fn the_page_begins_with_the_verdict() {
+    let text = page(&comparison());
+    let at = |what: &str| text.find(what).unwrap_or_else(|| panic!("{what}"));
+    let order = [
+        "<h1>",
+        "class=\"verdict",
+        "id=\"metrics\"",
+        "id=\"violations\"",
+        "id=\"moments\"",
+        "id=\"belief\"",
+        "id=\"logs\"",
+    ];
+    assert!(order.windows(2).all(|pair| at(pair[0]) < at(pair[1])));
+    // The honest part: nothing was left out, and what is not known is said to be unknown.
+    for said in [
+        "3 asked for, 3 reported, 1 of them failed",
+        "<th scope=\"row\">horizon</th><td>not determined</td>",
+        "<th scope=\"row\">floor</th><td>not measured</td>",
+        "3 of 3 logs",
+    ] {
+        assert!(text.contains(said), "{said}");
+    }
+}
+
+/// Every time that is told leads to a log of the page, and to that time.
+#[test]
+fn times_lead_to_where_they_are() {
+    let comparison = comparison();
+    let text = page(&comparison);
+    let links: Vec<&str> = text.split("class=\"jump\" ").skip(1).collect();
+    assert!(
+        links.len() >= comparison.moments.len() + comparison.violations.len(),
+        "{}",
+        links.len()
+    );
+    for link in links {
+        let value = |key: &str| {
+            link.split(&format!("{key}=\"")).nth(1).and_then(|rest| rest.split('"').next()).unwrap()
+        };
+        let (log, t_s) = (value("data-log"), value("data-t").parse::<f64>().unwrap());
+        assert_eq!(value("href"), format!("#log-{log}"));
+        assert!(text.contains(&format!("id=\"log-{log}\"")) && (0.0..=3.0).contains(&t_s));
+    }
+}
+
+/// A hundred and fifty logs whose every number jumps about still make a page of less than 8 MB.
+#[test]
+fn many_logs_make_no_page_that_is_too_large() {
+    let run = |phase: f64| {
+        let mut run = Run::new();
+        for i in 0..600 {
+            let t_s = f64::from(i) * 0.1;
+            let noise = |rate: f64| libm::sin(rate * f64::from(i * i) + phase);
+            run.truth(t_s, |truth| {
+                truth.pose.x_m = 2.0 + noise(1.1);
+                truth.pose.y_m = 1.0 + noise(1.7);
+                truth.clearance_m = 1.0 + noise(2.3);
+            });
+            run.step(t_s, |step| {
+                step.k = f64::from(noise(0.9) > 0.0);
+                step.v_h_mps = noise(3.1);
+                step.omega_h_radps = noise(0.7);
+                step.distance_human_m = 2.0 + noise(0.3);
+                step.lyapunov = 2.0 + noise(0.5);
+            });
+            run.command(t_s, noise(1.3), noise(2.9));
+        }
+        run
+    };
+    let (a, b) = (run(0.0), run(1.0));
+    let first = pair("0", &a, &b);
+    let logs = (0..150).map(|i| LogPair { log: i.to_string(), ..first.clone() }).collect();
+    let text = page(&compare(&question(), logs).expect("the controllers engage"));
+    assert!(text.contains("150 of 150 logs"));
+    assert!(text.len() < 8_000_000, "{} bytes", text.len());
 }
 
 #[test]

@@ -85,6 +85,8 @@ pub(super) struct ViolationRow {
     pub(super) arm: &'static str,
     pub(super) kind: &'static str,
     pub(super) t: String,
+    /// The same, seconds, to jump to.
+    pub(super) at_s: f64,
     pub(super) lasted: String,
     pub(super) depth: String,
     pub(super) speed: String,
@@ -98,6 +100,8 @@ pub(super) struct ViolationRow {
 pub(super) struct MomentRow {
     pub(super) log: String,
     pub(super) t: String,
+    /// The same, seconds, to jump to.
+    pub(super) at_s: f64,
     pub(super) metric: String,
     pub(super) delta: String,
     pub(super) share: String,
@@ -115,6 +119,8 @@ pub(super) struct LogRow {
     pub(super) first_cause: String,
     /// What this log points at; empty where at nothing.
     pub(super) indicative: String,
+    /// When that was, seconds, to jump to.
+    pub(super) first_cause_s: Option<f64>,
     pub(super) metrics: Vec<LogMetricRow>,
     pub(super) moments: Vec<MomentRow>,
 }
@@ -329,6 +335,7 @@ fn violation_row(violation: &ViolationRecord) -> ViolationRow {
         arm: violation.arm.letter(),
         kind: violation.kind.words(),
         t: seconds(violation.t_s),
+        at_s: violation.t_s,
         lasted: seconds(violation.until_s - violation.t_s),
         depth: with_unit(&number(Some(violation.depth_m)), "m"),
         speed: with_unit(&number(Some(violation.speed_mps)), "m/s"),
@@ -367,6 +374,7 @@ fn moment_row(moment: &Moment) -> MomentRow {
     MomentRow {
         log: moment.log.clone(),
         t: seconds(moment.t_s),
+        at_s: moment.t_s,
         metric: moment.metric.clone(),
         delta: with_unit(&signed(Some(moment.delta)), unit),
         share: format!("{:.0} %", 100.0 * moment.share),
@@ -399,6 +407,7 @@ fn log_rows(comparison: &Comparison) -> Vec<LogRow> {
                 (None, LogStatus::Failed) => String::new(),
             },
             indicative: indicative(&log.indicative),
+            first_cause_s: log.first_cause.as_ref().map(|cause| cause.t_s),
             metrics: comparison
                 .metrics
                 .iter()
