@@ -182,6 +182,10 @@ pub struct SonarNoise {
     pub dropout: f64,
     /// Probability that a reading is some other sonar's echo, at a random shorter range.
     pub cross_talk: f64,
+    /// Half the opening of the cone in which a sonar hears, degrees. Its nominal 10° leave a strip of
+    /// 5 cm straight ahead unheard, between the inner edges of the two foremost cones; real transducers
+    /// hear through their side lobes too.
+    pub half_cone_deg: f64,
     /// Faces met at more than this angle from their normal send nothing back, degrees.
     pub incidence_limit_deg: f64,
     /// Probability that a convex corner within 1.2 m echoes although its faces do not.
@@ -197,6 +201,7 @@ impl Default for SonarNoise {
             range_fraction: 0.01,
             dropout: 0.05,
             cross_talk: 0.03,
+            half_cone_deg: 12.5,
             incidence_limit_deg: 35.0,
             corner_echo: 0.7,
             long_echo: 0.3,

@@ -6,10 +6,11 @@
 
 use schemas::{Disc, World};
 
-/// Half the opening of a sonar's cone, degrees (specification §10).
+/// Half the nominal opening of a sonar's cone, degrees (specification §10): that of a sonar without
+/// faults.
 pub const SONAR_CONE_HALF_DEG: f64 = 10.0;
 
-/// Rays across a cone: one every 2°, both edges and the axis among them.
+/// Rays across a cone, both edges and the axis among them: one every 2° of the nominal one.
 pub(super) const FAN: usize = 11;
 
 type Vector = [f64; 2];
@@ -172,10 +173,10 @@ pub(super) struct Fan {
 }
 
 impl Fan {
-    pub(super) fn new() -> Fan {
-        let step_deg = 2.0 * SONAR_CONE_HALF_DEG / (FAN - 1) as f64;
+    pub(super) fn new(half_deg: f64) -> Fan {
+        let step_deg = 2.0 * half_deg / (FAN - 1) as f64;
         let ray = |i: usize| {
-            let (sin, cos) = libm::sincos((i as f64 * step_deg - SONAR_CONE_HALF_DEG).to_radians());
+            let (sin, cos) = libm::sincos((i as f64 * step_deg - half_deg).to_radians());
             [cos, sin]
         };
         Fan { rays: core::array::from_fn(ray) }
@@ -293,7 +294,7 @@ mod tests {
 
     fn aim(angle_deg: f64) -> Cone {
         let (sin, cos) = libm::sincos(angle_deg.to_radians());
-        Fan::new().aim([0.0, 0.0], [cos, sin])
+        Fan::new(SONAR_CONE_HALF_DEG).aim([0.0, 0.0], [cos, sin])
     }
 
     fn wall_ahead() -> Surfaces {

@@ -18,7 +18,7 @@ use schemas::{
     Pose, SONAR_BLIND_M, SONAR_REACH_M, SONARS, SonarEcho, SonarNoise, SonarScan, Time, World,
 };
 
-use super::cone::{Cone, Fan, Surfaces};
+use super::cone::{Cone, Fan, SONAR_CONE_HALF_DEG, Surfaces};
 use crate::noise::{Purpose, Reading, Stream};
 
 /// Sonars in one array, and firings in a full sweep.
@@ -69,7 +69,7 @@ impl Sonars {
         Sonars {
             mounts: core::array::from_fn(mount),
             surfaces: Surfaces::new(world),
-            fan: Fan::new(),
+            fan: Fan::new(noise.map_or(SONAR_CONE_HALF_DEG, |noise| noise.half_cone_deg)),
             noise,
             least_cosine: noise
                 .map_or(0.0, |noise| libm::cos(noise.incidence_limit_deg.to_radians())),

@@ -5,6 +5,7 @@ const HOME: Pose = Pose { x_m: 0.0, y_m: 0.0, theta_rad: 0.0 };
 
 /// Faces only at what is met squarely enough; nothing at random.
 const HARD_OF_HEARING: SonarNoise = SonarNoise {
+    half_cone_deg: 10.0,
     range_fraction: 0.0,
     dropout: 0.0,
     cross_talk: 0.0,
