@@ -242,7 +242,7 @@ parameters! {
     /// Whose free travel D is.
     d_body: DBody = DBody::Footprint, "", Allowed::Names(DBody::NAMES), "specification §5";
     /// With which sensors k = 1 is waited for.
-    wait: Precaution = Precaution::Sonar, "", Allowed::Names(Precaution::NAMES), "specification §5, open point f";
+    wait: Precaution = Precaution::Always, "", Allowed::Names(Precaution::NAMES), "specification §5, open point f";
     /// How long k = 1 must have been possible without a break before it is granted again.
     grant_s: f64 = 0.2, "s", range(0.0, 10.0), "specification §5, open point f";
     /// How long k = 0 lasts at least.

@@ -64,7 +64,7 @@ fn the_versions_differ_as_specified() {
     assert_eq!((paper.d_mode_free, tandem.d_mode_free), (DMode::Heading, DMode::Sweep));
     assert_eq!((paper.margin, tandem.margin), (Precaution::Never, Precaution::Never));
     assert_eq!((paper.d_body, tandem.d_body), (DBody::Disc, DBody::Footprint));
-    assert_eq!((paper.wait, tandem.wait), (Precaution::Never, Precaution::Sonar));
+    assert_eq!((paper.wait, tandem.wait), (Precaution::Never, Precaution::Always));
     assert_eq!(paper.reverse_law, ReverseLaw::Same);
     assert_eq!(tandem.reverse_law, ReverseLaw::Mirrored);
     assert_eq!((paper.v_rest_mps, tandem.v_rest_mps), (0.0, 0.004));
