@@ -1,16 +1,18 @@
 //! One arm of a comparison: a log under one controller.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufReader;
+use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow};
-use compare::{Diff, LevelPair, LogPair, Measured, Meter, Tolerances};
-use replay::{Gains, Mode, Recording, Replay};
+use compare::{CATALOGUE, Diff, LevelPair, LogPair, Measured, Meter, Tolerances};
+use replay::{Gains, Mode, Person, Recording, Replay};
 use schemas::log::LogReader;
-use schemas::{Event, Header, Stamped};
+use schemas::{Event, Header, Stamped, Time};
 
 use crate::cli::Common;
 use crate::controller_choice::ControllerChoice;
@@ -25,39 +27,64 @@ enum Arm {
 }
 
 impl Arm {
-    fn new(log: &Log<'_>, choice: &ControllerChoice, mode: Mode) -> Result<Arm> {
-        if *choice == ControllerChoice::Recorded {
-            return Ok(Arm::Recorded(Box::new(logs::open_raw(log.path)?)));
-        }
-        let spec = choice.for_log(&log.header)?;
-        Ok(Arm::Replayed(match (mode, &log.recording) {
-            (Mode::Closed(person), Some(recording)) => {
-                Replay::beside(logs::open_raw(log.path)?, recording, &spec, person)?
-            }
-            _ => Replay::new(|| logs::open_raw(log.path), &spec, mode)?,
-        }))
-    }
-
     fn next_event(&mut self) -> Result<Option<Stamped<Event>>> {
         if interrupt::pressed() {
             return Err(anyhow!("interrupted"));
         }
         match self {
-            Arm::Replayed(replay) => Ok(replay.next_event()),
+            // What a controller does to itself is the result of its own arm.
+            Arm::Replayed(replay) => caught(|| replay.next_event()),
             Arm::Recorded(log) => Ok(log.next_event()?),
         }
     }
 
-    /// Until when the recorded person is to be believed, where that is known; an error where the arm
-    /// ended before its log should have.
-    fn finish(self) -> Result<Option<f64>> {
-        let Arm::Replayed(replay) = self else { return Ok(None) };
-        let outcome = replay.finish()?;
-        match outcome.damage {
-            None => Ok(outcome.horizon.map(|h| h.first_s().unwrap_or(outcome.duration_s))),
-            Some(damage) => Err(anyhow!(damage)),
+    /// Why the arm ended before its log should have, where it did.
+    fn damage(self) -> Result<()> {
+        match self {
+            Arm::Recorded(_) => Ok(()),
+            Arm::Replayed(replay) => match replay.finish()?.damage {
+                None => Ok(()),
+                Some(damage) => Err(anyhow!(damage)),
+            },
         }
     }
+}
+
+/// Both arms of a log, over one reading of it where both are replayed.
+fn arms(log: &Log<'_>, choices: [&ControllerChoice; 2], mode: Mode) -> [Result<Arm>; 2] {
+    let specs = choices.map(|choice| match choice {
+        ControllerChoice::Recorded => Ok(None),
+        version @ ControllerChoice::Version { .. } => version.for_log(&log.header).map(Some),
+    });
+    if let (Mode::Open, [Ok(Some(a)), Ok(Some(b))]) = (mode, &specs) {
+        let shared = logs::open_raw(log.path)
+            .map(|reader| Replay::side_by_side(reader, &[a.clone(), b.clone()]));
+        if let Ok(Ok([a, b])) = shared.map(<[_; 2]>::try_from) {
+            return [a, b].map(|replay| Ok(Arm::Replayed(replay?)));
+        }
+    }
+    specs.map(|spec| {
+        let Some(spec) = spec? else {
+            return Ok(Arm::Recorded(Box::new(logs::open_raw(log.path)?)));
+        };
+        Ok(Arm::Replayed(match (mode, &log.recording) {
+            (Mode::Closed(person), Some(recording)) => {
+                Replay::of_recording(recording, &spec, person)?
+            }
+            _ => Replay::new(|| logs::open_raw(log.path), &spec, mode)?,
+        }))
+    })
+}
+
+/// Runs what may be somebody else's code: a panic becomes an error that says so.
+pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T> {
+    panic::catch_unwind(AssertUnwindSafe(work)).map_err(|payload| {
+        let said = payload
+            .downcast_ref::<&str>()
+            .map(|text| (*text).to_owned())
+            .or_else(|| payload.downcast_ref::<String>().cloned());
+        anyhow!("the controller panicked: {}", said.as_deref().unwrap_or("it did not say why"))
+    })
 }
 
 /// Most logs that gains are pooled over; of more, evenly spread ones.
@@ -73,6 +100,34 @@ pub fn gains(common: &Common, logs: &[PathBuf]) -> Gains {
     });
     let recordings: Vec<Arc<Recording>> = read.into_iter().filter_map(Result::ok).collect();
     Gains::pooled(&recordings)
+}
+
+/// The plant-gap floor of a log: how far each metric of the recording controller's closed-loop replay
+/// is from the recorded one. No change below it counts as real. 0 where plant and person are exact.
+pub fn floor(
+    log: &Path,
+    recording: &Arc<Recording>,
+    person: Person,
+) -> Result<BTreeMap<&'static str, f64>> {
+    let header = recording.header();
+    let spec = ControllerChoice::Recorded.for_log(header)?;
+    let mut simulated = Meter::new(header);
+    let mut replay: Replay<BufReader<File>> = Replay::of_recording(recording, &spec, person)?;
+    while let Some(event) = caught(|| replay.next_event())? {
+        interrupt::check()?;
+        simulated.observe(&event);
+    }
+    let mut recorded = Meter::new(header);
+    let mut events = logs::open_raw(log)?;
+    while let Some(event) = events.next_event()? {
+        recorded.observe(&event);
+    }
+    let (simulated, recorded) = (simulated.finish()?.metrics, recorded.finish()?.metrics);
+    let gaps = CATALOGUE.iter().filter_map(|metric| {
+        let gap = simulated.get(metric.name)? - recorded.get(metric.name)?;
+        Some((metric.name, gap.abs()))
+    });
+    Ok(gaps.collect())
 }
 
 /// A log to be replayed into both arms.
@@ -124,19 +179,15 @@ fn level(log: &Log<'_>, (a, b): (&ControllerChoice, &ControllerChoice), mode: Mo
         person.name().clone_into(&mut level.human);
         level.estimates = person.is_estimate();
     }
-    match (Arm::new(log, a, mode), Arm::new(log, b, mode)) {
-        (Ok(a), Ok(b)) => {
-            let (a, b, diff) = walk(&log.header, a, b);
-            let horizons = [&a, &b].map(|arm| arm.as_ref().ok().and_then(|(_, horizon)| *horizon));
-            level.horizon_s = horizons.into_iter().flatten().reduce(f64::min);
-            let run = |arm: Walked| match arm {
-                Ok((measured, _)) => Ok(measured),
-                Err(error) => Err(format!("{error:#}")),
-            };
-            (level.a, level.b) = (run(a), run(b));
+    match arms(log, [a, b], mode) {
+        [Ok(a), Ok(b)] => {
+            let (a, b, diff, horizon_s) = walk(&log.header, a, b);
+            level.horizon_s = horizon_s;
+            let text = |result: Result<Measured>| result.map_err(|error| format!("{error:#}"));
+            (level.a, level.b) = (text(a), text(b));
             level.diff = Some(diff.map_err(|error| format!("{error:#}")));
         }
-        (a, b) => {
+        [a, b] => {
             // One arm that cannot run leaves nothing to compare the other with.
             let why = |arm: Result<Arm>| {
                 Err(arm.err().map_or_else(
@@ -150,10 +201,11 @@ fn level(log: &Log<'_>, (a, b): (&ControllerChoice, &ControllerChoice), mode: Mo
     level
 }
 
-/// What one arm comes to: its metrics and its horizon.
-type Walked = Result<(Measured, Option<f64>)>;
-
-fn walk(header: &Header, a: Arm, b: Arm) -> (Walked, Walked, Result<Diff>) {
+fn walk(
+    header: &Header,
+    a: Arm,
+    b: Arm,
+) -> (Result<Measured>, Result<Measured>, Result<Diff>, Option<f64>) {
     let (a, b) = (Side::new(header, a), Side::new(header, b));
     let start = header.run.start;
     let diff = compare::diff::<anyhow::Error>(
@@ -161,7 +213,8 @@ fn walk(header: &Header, a: Arm, b: Arm) -> (Walked, Walked, Result<Diff>) {
         (start, || Ok(a.next_event())),
         (start, || Ok(b.next_event())),
     );
-    (a.finish(), b.finish(), diff)
+    let horizon_s = [a.horizon_s(), b.horizon_s()].into_iter().flatten().min_by(f64::total_cmp);
+    (a.finish(), b.finish(), diff, horizon_s)
 }
 
 /// An arm with its meter.
@@ -169,6 +222,9 @@ struct Side {
     arm: RefCell<Arm>,
     meter: RefCell<Meter>,
     failed: RefCell<Option<anyhow::Error>>,
+    start: Time,
+    /// The newest event, seconds from the start.
+    last_s: Cell<f64>,
 }
 
 impl Side {
@@ -177,6 +233,8 @@ impl Side {
             arm: RefCell::new(arm),
             meter: RefCell::new(Meter::new(header)),
             failed: RefCell::new(None),
+            start: header.run.start,
+            last_s: Cell::new(0.0),
         }
     }
 
@@ -185,6 +243,7 @@ impl Side {
         match self.arm.borrow_mut().next_event() {
             Ok(Some(event)) => {
                 self.meter.borrow_mut().observe(&event);
+                self.last_s.set(event.at.seconds_since(self.start));
                 Some(event)
             }
             Ok(None) => None,
@@ -195,12 +254,34 @@ impl Side {
         }
     }
 
-    fn finish(self) -> Walked {
+    /// When the arm parted from the recording, or where it ended without; `None` in open loop.
+    fn horizon_s(&self) -> Option<f64> {
+        match &*self.arm.borrow() {
+            Arm::Recorded(_) => None,
+            Arm::Replayed(replay) => {
+                let horizon = replay.horizon()?;
+                Some(horizon.first_s().unwrap_or(self.last_s.get()))
+            }
+        }
+    }
+
+    fn finish(self) -> Result<Measured> {
         if let Some(error) = self.failed.into_inner() {
             return Err(error);
         }
-        let arm = self.arm.into_inner();
-        let horizon_s = arm.finish().context("only part of the log could be replayed")?;
-        Ok((self.meter.into_inner().finish()?, horizon_s))
+        self.arm.into_inner().damage().context("only part of the log could be replayed")?;
+        Ok(self.meter.into_inner().finish()?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::caught;
+
+    #[test]
+    fn a_panic_is_an_error_that_says_why() {
+        assert_eq!(caught(|| 3).unwrap(), 3);
+        let error = caught(|| -> u8 { panic!("gain {} is no gain", -1) }).unwrap_err();
+        assert_eq!(error.to_string(), "the controller panicked: gain -1 is no gain");
     }
 }

@@ -23,7 +23,7 @@ impl Status {
     pub fn of_error(error: &anyhow::Error) -> Status {
         let damaged = error.chain().any(|cause| {
             let of_replay = match cause.downcast_ref::<ReplayError>() {
-                Some(ReplayError::Log(error)) => Some(error),
+                Some(ReplayError::Log(error)) => Some(error.as_ref()),
                 _ => None,
             };
             of_replay.or(cause.downcast_ref::<LogError>()).is_some_and(LogError::is_damage)

@@ -4,24 +4,29 @@ use std::io::Read;
 use std::sync::Arc;
 
 use controller::{Runner, Session, Setup, Spec};
-use schemas::log::LogReader;
-use schemas::{Event, Span, Stamped, Time};
+use schemas::log::{LogError, LogReader};
+use schemas::{Event, Scenario, Span, Stamped, Time};
 use simulator::{Simulation, SimulationSetup};
 
 use crate::horizon::{Horizon, Watch};
 use crate::human::Person;
+use crate::led::Led;
 use crate::outcome::{Outcome, Tally};
 use crate::recorded::{Recorded, sensors_of};
-use crate::{Covered, Recording, ReplayError};
+use crate::window::Between;
+use crate::{Covered, OutputHash, Recording, ReplayError, WarmUp, Window};
 
 /// Longer than any log: a replay ends where the recording ends.
 const UNTIL_THE_RECORDING_ENDS: Span = Span(u64::MAX / 4);
 
 pub(crate) struct ClosedLoop<R> {
-    session: Session<Simulation>,
+    session: Session<Led<R>>,
     beside: Beside<R>,
     tally: Tally,
     watch: Watch,
+    between: Between,
+    warm_up: Option<[OutputHash; 2]>,
+    start: Time,
     ended: bool,
 }
 
@@ -30,7 +35,7 @@ enum Beside<R> {
     /// The recording itself, message by message.
     Log(Box<Recorded<R>>),
     /// Nothing but its end: one arm of several over one reading of the log.
-    Until(Time),
+    Until(Time, Option<Arc<LogError>>),
 }
 
 impl<R: Read> ClosedLoop<R> {
@@ -50,7 +55,7 @@ impl<R: Read> ClosedLoop<R> {
         spec: &Spec,
         person: Person,
     ) -> Result<ClosedLoop<R>, ReplayError> {
-        ClosedLoop::new(Beside::Until(recording.end()), recording, spec, person)
+        ClosedLoop::new(Beside::Until(recording.end(), recording.damage()), recording, spec, person)
     }
 
     fn new(
@@ -66,7 +71,8 @@ impl<R: Read> ClosedLoop<R> {
         let runner = Runner::new(&setup)?;
         let simulation = Simulation::new(
             SimulationSetup {
-                scenario: setup.scenario,
+                // The controller goes by what the log claims; the robot does what it does.
+                scenario: Scenario { plant: recording.plant(), ..setup.scenario },
                 sensors,
                 seed: header.run.seed,
                 start,
@@ -76,30 +82,67 @@ impl<R: Read> ClosedLoop<R> {
             person.of_recording(recording),
         )?;
         Ok(ClosedLoop {
-            session: Session::new(simulation, runner),
+            session: Session::new(Led::new(simulation), runner),
             beside,
             tally: Tally::new(Covered::Everything, start),
             watch: Watch::new(Arc::clone(recording), person.gains()),
+            between: Between::new(Window::default(), start),
+            warm_up: None,
+            start,
             ended: false,
         })
     }
 
+    /// Replays a part only; `log` leads up to it.
+    pub(crate) fn within(&mut self, window: Window, log: LogReader<R>) {
+        self.between = Between::new(window, self.start);
+        if self.between.from > self.start {
+            self.session.source_mut().follow(log, self.between.from);
+            self.warm_up = Some([0, 1].map(|_| OutputHash::new(Covered::Everything, self.start)));
+        }
+    }
+
     pub(crate) fn next_event(&mut self) -> Option<Stamped<Event>> {
+        loop {
+            let event = self.advance()?;
+            if event.at >= self.between.from {
+                return Some(event);
+            }
+        }
+    }
+
+    /// The next event, be it on the way to the beginning or after it.
+    fn advance(&mut self) -> Option<Stamped<Event>> {
         if self.ended {
             return None;
         }
         let Ok(next) = self.session.next_event();
-        let event = next.filter(|event| match &mut self.beside {
-            Beside::Log(log) => log.advance(event.at, |recorded| self.tally.recorded(recorded)),
-            Beside::Until(end) => event.at <= *end,
+        let (from, to) = (self.between.from, self.between.to);
+        let ClosedLoop { beside, tally, warm_up, .. } = self;
+        let event = next.filter(|event| event.at <= to).filter(|event| match beside {
+            Beside::Log(log) => log.advance(event.at, |recorded| {
+                if recorded.at >= from {
+                    tally.recorded(recorded);
+                } else if let Some([_, hash]) = warm_up {
+                    hear(hash, recorded);
+                }
+            }),
+            Beside::Until(end, _) => event.at <= *end,
         });
         let Some(event) = event else {
             self.ended = true;
-            if let Beside::Log(log) = &mut self.beside {
-                self.tally.damage = log.damage();
-            }
+            self.tally.damage = match &mut self.beside {
+                Beside::Log(log) => log.damage().map(Arc::new),
+                Beside::Until(_, damage) => damage.take(),
+            };
             return None;
         };
+        if event.at < from {
+            if let Some([hash, _]) = &mut self.warm_up {
+                hear(hash, &event);
+            }
+            return Some(event);
+        }
         self.tally.replayed(&event);
         self.watch.observe(&event);
         if let (Event::Step(step), Beside::Log(log)) = (&event.value, &self.beside)
@@ -121,11 +164,22 @@ impl<R: Read> ClosedLoop<R> {
     }
 
     pub(crate) fn finish(self) -> Result<Outcome, ReplayError> {
-        let alone = matches!(self.beside, Beside::Until(_));
+        let alone = matches!(self.beside, Beside::Until(..));
         let mut outcome = self.tally.finish()?;
+        // Without the log beside there is nothing to judge the way by.
+        outcome.warm_up = self.warm_up.filter(|_| !alone).map(|[heard, recorded]| {
+            if heard.hex() == recorded.hex() { WarmUp::Exact } else { WarmUp::Differs }
+        });
         outcome.horizon = Some(self.watch.horizon());
         outcome.furthest = Some(self.watch.furthest());
         outcome.identical_to_recorded &= !alone;
         Ok(outcome)
+    }
+}
+
+/// Adds what a controller hears, and where the robot was; not what a controller said.
+fn hear(hash: &mut OutputHash, event: &Stamped<Event>) {
+    if matches!(event.value, Event::Sample(_) | Event::Truth(_)) {
+        hash.update(event);
     }
 }

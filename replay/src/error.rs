@@ -1,5 +1,7 @@
 //! Why a replay could not be done.
 
+use std::sync::Arc;
+
 use schemas::log::LogError;
 
 /// Why a replay could not be done.
@@ -7,7 +9,7 @@ use schemas::log::LogError;
 pub enum ReplayError {
     /// The log cannot be read.
     #[error(transparent)]
-    Log(#[from] LogError),
+    Log(Arc<LogError>),
     /// The controller's parameters do not fit.
     #[error(transparent)]
     Spec(#[from] controller::SpecError),
@@ -34,4 +36,10 @@ pub enum ReplayError {
     /// There is nobody to bring back.
     #[error("no /joystick message in the log: no recorded person to replay; use --mode open")]
     NoJoystick,
+}
+
+impl From<LogError> for ReplayError {
+    fn from(error: LogError) -> ReplayError {
+        ReplayError::Log(Arc::new(error))
+    }
 }

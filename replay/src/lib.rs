@@ -17,19 +17,25 @@ mod error;
 mod hash;
 mod horizon;
 mod human;
+mod led;
 mod open;
 mod outcome;
+mod plant;
 mod recorded;
 mod recording;
 #[cfg(test)]
 mod session;
+mod tee;
+mod window;
 
 pub use error::ReplayError;
 pub use hash::{Covered, OutputHash};
 pub use horizon::Horizon;
 pub use human::{Gains, Person, Reaction};
 pub use outcome::{Deviation, Outcome};
+pub use plant::{Estimate, PlantEstimate};
 pub use recording::Recording;
+pub use window::{WarmUp, Window};
 
 use std::io::Read;
 use std::sync::Arc;
@@ -37,6 +43,8 @@ use std::sync::Arc;
 use controller::{Runner, Spec};
 use schemas::log::LogReader;
 use schemas::{Event, Stamped};
+
+use tee::Events;
 
 /// How a log is replayed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +85,9 @@ impl<R: Read + 'static> Replay<R> {
         F: Fn() -> Result<LogReader<R>, schemas::log::LogError>,
     {
         Ok(Replay(match mode {
-            Mode::Open => Kind::Open(Box::new(open::OpenLoop::new(open()?, spec)?)),
+            Mode::Open => {
+                Kind::Open(Box::new(open::OpenLoop::new(Events::Own(Box::new(open()?)), spec)?))
+            }
             Mode::Closed(person) => {
                 let recording = Arc::new(Recording::read(open()?)?);
                 return Replay::beside(open()?, &recording, spec, person);
@@ -99,6 +109,18 @@ impl<R: Read + 'static> Replay<R> {
         Ok(Replay(Kind::Closed(Box::new(replay))))
     }
 
+    /// Prepares open-loop replays into several controllers over one reading of a log. They are to be
+    /// walked side by side: what one has read waits for the others.
+    ///
+    /// # Errors
+    /// By controller, as [`Replay::new`].
+    pub fn side_by_side(log: LogReader<R>, specs: &[Spec]) -> Vec<Result<Replay<R>, ReplayError>> {
+        let shares = Events::shared(log, specs.len());
+        let prepare =
+            |(share, spec)| Ok(Replay(Kind::Open(Box::new(open::OpenLoop::new(share, spec)?))));
+        shares.into_iter().zip(specs).map(prepare).collect()
+    }
+
     /// Prepares one arm of several closed-loop replays over one reading of a log. It is not compared
     /// with the recording.
     ///
@@ -111,6 +133,17 @@ impl<R: Read + 'static> Replay<R> {
     ) -> Result<Replay<R>, ReplayError> {
         let replay = closed::ClosedLoop::alone(recording, spec, person)?;
         Ok(Replay(Kind::Closed(Box::new(replay))))
+    }
+
+    /// Replays a part of the log only. `log` is another reader of it, whose commands lead a closed loop
+    /// up to the beginning. To be called before the first event.
+    #[must_use]
+    pub fn within(mut self, window: Window, log: LogReader<R>) -> Replay<R> {
+        match &mut self.0 {
+            Kind::Open(replay) => replay.within(window),
+            Kind::Closed(replay) => replay.within(window, log),
+        }
+        self
     }
 
     /// The next event of the replayed session in log order, or `None` at its end. Damage in the log

@@ -1,26 +1,29 @@
 //! Open loop: the log drives the controller, and nothing moves differently.
 
 use std::io::Read;
+use std::sync::Arc;
 
 use controller::{Runner, Session, Setup, Spec};
-use schemas::log::{LogError, LogReader};
-use schemas::{Command, Event, Pulled, Source, Stamped, Step};
+use schemas::log::LogError;
+use schemas::{Command, Event, Pulled, Source, Stamped, Step, Time};
 
 use crate::outcome::{Outcome, Tally};
 use crate::recorded::sensors_of;
-use crate::{Covered, ReplayError};
+use crate::tee::Events;
+use crate::window::Between;
+use crate::{Covered, ReplayError, WarmUp, Window};
 
 /// A log as a source: its samples as they were, and a step wherever it recorded one.
 struct LogSource<R> {
-    log: LogReader<R>,
+    log: Events<R>,
     /// What the recorded controller said since the last look: judged, never fed back.
     recorded: Vec<Stamped<Event>>,
 }
 
 impl<R: Read> Source for LogSource<R> {
-    type Error = LogError;
+    type Error = Arc<LogError>;
 
-    fn pull(&mut self) -> Result<Option<Pulled>, LogError> {
+    fn pull(&mut self) -> Result<Option<Pulled>, Arc<LogError>> {
         while let Some(event) = self.log.next_event()? {
             let at = event.at;
             match &event.value {
@@ -44,12 +47,14 @@ pub(crate) struct OpenLoop<R> {
     tally: Tally,
     /// The recorded counterpart of the step handed out last.
     recorded_step: Option<Box<Step>>,
+    between: Between,
+    start: Time,
     ended: bool,
 }
 
 impl<R: Read> OpenLoop<R> {
-    pub(crate) fn new(log: LogReader<R>, spec: &Spec) -> Result<OpenLoop<R>, ReplayError> {
-        let header = log.header().clone();
+    pub(crate) fn new(log: Events<R>, spec: &Spec) -> Result<OpenLoop<R>, ReplayError> {
+        let header = log.header();
         let start = header.run.start;
         let setup = Setup {
             spec: spec.clone(),
@@ -69,23 +74,50 @@ impl<R: Read> OpenLoop<R> {
             session: Session::new(LogSource { log, recorded: Vec::new() }, runner),
             tally: Tally::new(Covered::Outputs, start),
             recorded_step: None,
+            between: Between::new(Window::default(), start),
+            start,
             ended: false,
         })
     }
 
+    /// Replays a part only: what comes before is heard, and left unsaid.
+    pub(crate) fn within(&mut self, window: Window) {
+        self.between = Between::new(window, self.start);
+    }
+
     pub(crate) fn next_event(&mut self) -> Option<Stamped<Event>> {
+        loop {
+            let event = self.advance()?;
+            if event.at >= self.between.from {
+                return Some(event);
+            }
+        }
+    }
+
+    /// The next event, be it on the way to the beginning or after it.
+    fn advance(&mut self) -> Option<Stamped<Event>> {
         if self.ended {
             return None;
         }
         let next = self.session.next_event();
+        let Between { from, to } = self.between;
         for event in self.session.source_mut().recorded.drain(..) {
-            self.tally.recorded(&event);
+            if (from..=to).contains(&event.at) {
+                self.tally.recorded(&event);
+            }
             if let Event::Step(step) = event.value {
                 self.recorded_step = Some(step);
             }
         }
         match next {
+            Ok(Some(event)) if event.at > to => {
+                self.ended = true;
+                None
+            }
             Ok(Some(event)) => {
+                if event.at < from {
+                    return Some(event);
+                }
                 self.tally.replayed(&event);
                 if let (Event::Step(step), Some(recorded)) = (&event.value, &self.recorded_step) {
                     self.tally.compare_steps(step, recorded);
@@ -109,6 +141,9 @@ impl<R: Read> OpenLoop<R> {
     }
 
     pub(crate) fn finish(self) -> Result<Outcome, ReplayError> {
-        self.tally.finish()
+        let part = self.between.from > self.start;
+        let outcome = self.tally.finish()?;
+        // The log itself led up to the beginning.
+        Ok(Outcome { warm_up: part.then_some(WarmUp::Exact), ..outcome })
     }
 }

@@ -1,9 +1,11 @@
 //! What came of a replay, counted while it runs.
 
+use std::sync::Arc;
+
 use schemas::log::LogError;
 use schemas::{Event, Stamped, Step, Time, Value};
 
-use crate::{Covered, Horizon, OutputHash, ReplayError};
+use crate::{Covered, Horizon, OutputHash, ReplayError, WarmUp};
 
 /// The largest difference between a replayed and a recorded step.
 #[derive(Clone, Debug, PartialEq)]
@@ -40,24 +42,28 @@ pub struct Outcome {
     /// Closed loop: the greatest distance between simulated and recorded state, 1 at half a metre or
     /// one radian. 0 certifies that the person would have seen the same throughout.
     pub furthest: Option<f64>,
+    /// Where only a part was replayed: whether its beginning is what the whole log gives.
+    pub warm_up: Option<WarmUp>,
 }
 
 /// The running count behind an [`Outcome`].
 pub(crate) struct Tally {
     start: Time,
+    first: Option<Time>,
     last: Time,
     steps: u64,
     engaged_steps: u64,
     replayed: OutputHash,
     recorded: OutputHash,
     deviation: Option<Deviation>,
-    pub(crate) damage: Option<LogError>,
+    pub(crate) damage: Option<Arc<LogError>>,
 }
 
 impl Tally {
     pub(crate) fn new(covered: Covered, start: Time) -> Tally {
         Tally {
             start,
+            first: None,
             last: start,
             steps: 0,
             engaged_steps: 0,
@@ -69,6 +75,7 @@ impl Tally {
     }
 
     pub(crate) fn replayed(&mut self, event: &Stamped<Event>) {
+        self.first.get_or_insert(event.at);
         self.last = event.at;
         self.replayed.update(event);
         if let Event::Step(step) = &event.value {
@@ -106,10 +113,11 @@ impl Tally {
             output_hash,
             recorded_hash,
             max_deviation: self.deviation,
-            duration_s: self.last.seconds_since(self.start),
+            duration_s: self.last.seconds_since(self.first.unwrap_or(self.start)),
             damage: self.damage.map(|damage| damage.to_string()),
             horizon: None,
             furthest: None,
+            warm_up: None,
         })
     }
 }

@@ -6,9 +6,10 @@
 mod coverage;
 
 use std::io::Read;
+use std::sync::Arc;
 
-use schemas::log::{LogReader, Topic};
-use schemas::{Event, Header, JoystickSample, Pose, Sample, Span, Time, Truth};
+use schemas::log::{LogError, LogReader, Topic};
+use schemas::{Event, Header, JoystickSample, Plant, Pose, Sample, Span, Time, Truth};
 use simulator::{JOYSTICK_PERIOD, Request};
 
 use crate::ReplayError;
@@ -52,6 +53,8 @@ pub struct Recording {
     moments: Vec<Moment>,
     coverage: Option<Coverage>,
     end: Time,
+    plant: Option<Plant>,
+    damage: Option<Arc<LogError>>,
 }
 
 impl Recording {
@@ -76,9 +79,32 @@ impl Recording {
             }
         };
         if !builder.moments.iter().any(|moment| moment.request.is_some()) {
-            return Err(damage.map_or(ReplayError::NoJoystick, ReplayError::Log));
+            return Err(damage.map_or(ReplayError::NoJoystick, ReplayError::from));
         }
-        Ok(Recording { header, moments: builder.moments, coverage: builder.coverage, end })
+        Ok(Recording {
+            header,
+            moments: builder.moments,
+            coverage: builder.coverage,
+            end,
+            plant: None,
+            damage: damage.map(Arc::new),
+        })
+    }
+
+    /// The same person on another plant than the log claims: that which was identified from it, say.
+    #[must_use]
+    pub fn on_plant(self, plant: Plant) -> Recording {
+        Recording { plant: Some(plant), ..self }
+    }
+
+    /// What ended the log before its end, where something did.
+    pub(crate) fn damage(&self) -> Option<Arc<LogError>> {
+        self.damage.clone()
+    }
+
+    /// The plant that a replay drives.
+    pub(crate) fn plant(&self) -> Plant {
+        self.plant.unwrap_or(self.header.scenario.plant)
     }
 
     /// What stands at the head of the log.
@@ -112,7 +138,7 @@ impl Recording {
         let run = schemas::RunInfo { start, ..schemas::RunInfo::default() };
         let header = Header { run, params_toml: String::new(), scenario };
         let end = start.after_ns(moments.len() as u64 * JOYSTICK_PERIOD.0);
-        Recording { header, moments, coverage: None, end }
+        Recording { header, moments, coverage: None, end, plant: None, damage: None }
     }
 
     #[cfg(test)]

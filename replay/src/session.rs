@@ -18,6 +18,17 @@ impl Recorded {
     pub(crate) fn open(&self) -> LogReader<Cursor<Vec<u8>>> {
         LogReader::new(Cursor::new(self.bytes.clone())).expect("a log that was just written opens")
     }
+
+    /// The same events under a head that claims another scenario.
+    pub(crate) fn rewrite(&mut self, scenario: &Scenario) {
+        let header = Header { scenario: scenario.clone(), ..self.open().header().clone() };
+        let options = WriterOptions { view: false, ..WriterOptions::offline() };
+        let mut log = LogWriter::new(Vec::new(), &header, &options).expect("memory takes it");
+        for event in &self.events {
+            log.write(event).expect("memory takes it");
+        }
+        (self.bytes, _) = log.finish().expect("memory takes it");
+    }
 }
 
 /// The scenario of a name, `seconds` long.
@@ -80,4 +91,9 @@ pub(crate) fn record(scenario: &Scenario, controller: &str, sensors: SensorSuite
     }
     let (bytes, _) = log.finish().expect("memory takes it");
     Recorded { bytes, spec, events }
+}
+
+/// Whether two runs are the same, one not-a-number being like another.
+pub(crate) fn same(a: &[Stamped<Event>], b: &[Stamped<Event>]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| format!("{a:?}") == format!("{b:?}"))
 }

@@ -157,6 +157,19 @@ impl Simulation {
         Some((rank, due_ns, index))
     }
 
+    /// The instant of the next event; `None` at the end.
+    pub fn next_at(&self) -> Option<Time> {
+        let due_ns = self.timetables.iter().filter_map(|timetable| timetable.due_ns).min()?;
+        (due_ns <= self.duration_ns).then(|| self.start.after_ns(due_ns))
+    }
+
+    /// Gives a command that was given at an instant of its own, between this event and the next: for
+    /// a recording's commands, whose times need not be those of the steps here.
+    pub fn command_at(&mut self, at: Time, command: &Command) {
+        self.plant.advance_to(at.0.saturating_sub(self.start.0));
+        self.plant.command(command);
+    }
+
     /// Instant plus rank; later where instants that are only nanoseconds apart would collide.
     fn log_time(&mut self, stamp: Time, rank: usize) -> Time {
         let nominal = stamp.after_ns(rank as u64);

@@ -138,3 +138,39 @@ fn the_ladder_spreads_under_another_controller() {
     assert_eq!(share["levels"]["intent"], share["levels"]["playback"]);
     assert_eq!(share["levels"]["fitted"], share["estimate"]);
 }
+
+/// A part of a log is what the whole gives there, and continues the recording in closed loop.
+#[test]
+fn a_part_of_a_log() {
+    let here = Workplace::new();
+    here.record("log.mcap", "--scenario case1-lab --duration 12");
+    for mode in ["open", "closed"] {
+        let command = format!("replay --format json --mode {mode} --from 4 --to 9 log.mcap");
+        let run = here.tandem(&command).succeeds().json()["runs"][0].clone();
+        assert_eq!(run["identical_to_recorded"], true, "{run}");
+        assert_eq!(run["warm_up"], "exact");
+        // Both ends included: 4.0, 4.1, …, 9.0 s.
+        assert_eq!(run["steps"], 51);
+    }
+    here.tandem("replay --from 9 --to 4 log.mcap").exits(2);
+    here.tandem("replay --from -1 log.mcap").exits(2);
+    here.tandem("replay --from 99 log.mcap").exits(2);
+}
+
+/// The plant is identified from the log, and the floor of an exact replay is zero.
+#[test]
+fn plant_and_floor() {
+    let here = Workplace::new();
+    here.record("log.mcap", "--scenario random:rect:joystick:3 --controller human");
+    let command = "replay --format json --mode closed --human fitted --floor log.mcap";
+    let run = here.tandem(command).succeeds().json()["runs"][0].clone();
+    let floor = run["floor"].as_object().unwrap();
+    assert!(floor.contains_key("human_share") && floor.values().all(|gap| gap == 0.0), "{run}");
+    let command = "replay --format json --mode closed --plant identified log.mcap";
+    let run = here.tandem(command).succeeds().json()["runs"][0].clone();
+    // Random rooms have a plant that slips by 3 %, and nothing else.
+    let slip = run["plant"]["slip"]["value"].as_f64().unwrap();
+    assert!((slip - 0.03).abs() < 0.01, "{run}");
+    assert!(run["plant"]["delay_s"]["value"].as_f64().unwrap() < 0.011);
+    assert_eq!(run["plant"]["accel_mps2"]["value"], serde_json::Value::Null);
+}

@@ -83,10 +83,10 @@ impl LevelPair {
         LevelPair {
             human: String::new(),
             estimates: true,
-            horizon_s: None,
             a: error(),
             b: error(),
             diff: None,
+            horizon_s: None,
         }
     }
 
@@ -195,18 +195,20 @@ pub fn compare(question: &Question, logs: Vec<LogPair>) -> Result<Comparison, Co
     Ok(comparison)
 }
 
+/// Until when the levels that estimate are to be believed; all levels where none does.
+fn horizon_s(log: &LogPair) -> Option<f64> {
+    let none = !log.levels.iter().any(|level| level.estimates);
+    let counted = log.levels.iter().filter(|level| none || level.estimates);
+    counted.filter_map(|level| level.horizon_s).min_by(f64::total_cmp)
+}
+
 fn log_result(log: &LogPair, cluster: String) -> LogResult {
     let mut result = LogResult {
         log: log.log.clone(),
         status: LogStatus::Ok,
         error: None,
         operator: log.operator.clone(),
-        horizon_s: log
-            .levels
-            .iter()
-            .filter(|level| log.counts(level))
-            .filter_map(|level| level.horizon_s)
-            .reduce(f64::min),
+        horizon_s: horizon_s(log),
         cluster,
         hash: log.hash.clone(),
         metrics: BTreeMap::new(),

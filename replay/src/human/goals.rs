@@ -21,7 +21,7 @@ pub(super) const GRID_M: f64 = 0.25;
 const MOST_POINTS: usize = 1200;
 
 /// What counts as one unit of surprise: m/s and rad/s.
-const SIGMA: [f64; 2] = [0.12, 0.3];
+const SIGMA: [f64; 2] = [0.15, 0.5];
 
 /// Surprise beyond which a block no longer counts against a goal (its square).
 const TRUNCATED: f64 = 6.0;
@@ -99,7 +99,7 @@ pub(super) fn habits(moments: &[Moment]) -> Habits {
         forward_mps,
         backward_mps: share(&backward, 0.6, 0.2),
         turn_radps: share(&turns, 0.98, 1.0).max(0.3),
-        slow_m: 0.6,
+        slow_m: 0.5,
     }
 }
 

@@ -10,7 +10,7 @@ use crate::angle::wrap;
 use crate::recording::State;
 
 /// How far ahead the joystick's arc is followed, seconds.
-const AHEAD_S: f64 = 1.75;
+const AHEAD_S: f64 = 2.5;
 
 /// How much faster than recorded a person drives to catch up.
 const HURRY: f64 = 1.3;

@@ -15,8 +15,8 @@ use ::compare::{CATALOGUE, Meter};
 use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
 use ladder::Ladder;
-use replay::{Gains, Mode, Outcome, Person, Reaction, Recording};
-use result::Run;
+use replay::{Gains, Mode, Outcome, Person, PlantEstimate, Reaction, Recording, Window};
+use result::{Plant, Run};
 use schemas::log::{LogWriter, WriterOptions};
 use schemas::{Event, Header, RunInfo, Span, Stamped};
 use serde::Serialize;
@@ -40,6 +40,8 @@ Examples:
   tandem replay session.mcap --mode closed
   tandem replay logs/*.mcap --controller paper-kinematic --mode closed -o replayed/
   tandem replay logs/*.mcap --controller paper-kinematic --mode closed --human ladder
+  tandem replay session.mcap --mode closed --human fitted --plant identified --floor
+  tandem replay session.mcap --mode closed --from 12 --to 20
 
 Exit status: 1 when an open-loop replay of the recording controller is not identical to the
 recording, or when a damaged log could be replayed in part only.")]
@@ -52,6 +54,18 @@ pub struct Replay {
     pub controller: ControllerChoice,
     #[command(flatten)]
     pub how: How,
+    /// Where to begin, seconds from the start; what comes before is run through to warm up
+    #[arg(long, value_name = "T", value_parser = seconds)]
+    pub from: Option<f64>,
+    /// Where to end, seconds from the start
+    #[arg(long, value_name = "T", value_parser = seconds)]
+    pub to: Option<f64>,
+    /// The plant of a closed loop: the one that the log claims, or the one that it shows
+    #[arg(long, value_enum, default_value_t = PlantName::Recorded)]
+    pub plant: PlantName,
+    /// Closed loop: also measure how far the recording controller's own replay is from the recording
+    #[arg(long)]
+    pub floor: bool,
     /// Write the replayed session: a file for one log, a folder for several
     #[arg(long, short, value_name = "FILE|DIR")]
     pub output: Option<PathBuf>,
@@ -90,6 +104,22 @@ pub enum HumanName {
     Fitted,
     /// All of them, side by side
     Ladder,
+}
+
+/// `--plant`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PlantName {
+    /// As the log's scenario has it
+    Recorded,
+    /// Identified from the log: commands against what wheels and gyro then showed
+    Identified,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    match text.trim_end_matches('s').parse::<f64>() {
+        Ok(seconds) if seconds >= 0.0 && seconds.is_finite() => Ok(seconds),
+        _ => Err("expected seconds from the start of the log".to_owned()),
+    }
 }
 
 impl HumanName {
@@ -149,6 +179,11 @@ impl Replay {
         let several = self.logs.len() > 1 || modes.len() > 1;
         if several && self.output.as_ref().is_some_and(|output| output.is_file()) {
             bail!("-o names a file, but there are several replays: name a folder");
+        }
+        if let (Some(from), Some(to)) = (self.from, self.to)
+            && from >= to
+        {
+            bail!("--from {from} does not come before --to {to}");
         }
         self.guard_outputs(several)?;
         let results = fleet::each(common, &self.logs, "replaying", |log| {
@@ -212,30 +247,42 @@ impl Replay {
             )
         });
         let closed = modes.iter().any(|mode| matches!(mode, Mode::Closed(_)));
+        let mut plant = None;
         let recording = if closed {
-            let recording = Recording::read(logs::open_raw(log).with_context(name)?);
-            Some(Arc::new(recording.with_context(name)?))
+            let mut recording =
+                Recording::read(logs::open_raw(log).with_context(name)?).with_context(name)?;
+            if self.plant == PlantName::Identified {
+                let found = PlantEstimate::of_log(logs::open_raw(log).with_context(name)?);
+                recording = recording.on_plant(found.applied_to(header.scenario.plant));
+                plant = Some(found);
+            }
+            Some(Arc::new(recording))
         } else {
             None
         };
         let reaction = recording.as_ref().map(|recording| Reaction::of(recording));
+        let window =
+            Window { from_s: self.from.unwrap_or(0.0), to_s: self.to.unwrap_or(f64::INFINITY) };
         let mut runs = Vec::new();
         for mode in modes {
             let began = Instant::now();
+            let open = || logs::open_raw(log).with_context(name);
             let replay = match (mode, &recording) {
-                (Mode::Closed(person), Some(recording)) => logs::open_raw(log)
-                    .map_err(replay::ReplayError::from)
-                    .and_then(|log| replay::Replay::beside(log, recording, &spec, *person)),
+                (Mode::Closed(person), Some(recording)) => {
+                    replay::Replay::beside(open()?, recording, &spec, *person)
+                }
                 _ => replay::Replay::new(|| logs::open_raw(log), &spec, *mode),
             };
-            let replay = replay.with_context(name)?;
-            runs.push(self.replay_one(
-                common,
-                log,
-                (*mode, several, &spec, began),
-                replay,
-                &header,
-            )?);
+            let replay = replay.with_context(name)?.within(window, open()?);
+            let mut run =
+                self.replay_one(common, log, (*mode, several, &spec, began), replay, &header)?;
+            run.plant = plant.as_ref().map(Plant::of);
+            if self.floor
+                && let (Mode::Closed(person), Some(recording)) = (mode, &recording)
+            {
+                run.floor = Some(arm::floor(log, recording, *person).with_context(name)?);
+            }
+            runs.push(run);
         }
         Ok((runs, reaction))
     }
@@ -280,7 +327,7 @@ impl Replay {
         let closed = matches!(mode, Mode::Closed(_));
         let mut meters = closed.then(|| [Meter::new(header), Meter::new(header)]);
         let mut interrupted = false;
-        while let Some(event) = replay.next_event() {
+        while let Some(event) = arm::caught(|| replay.next_event())? {
             if let Some([whole, until_horizon]) = &mut meters {
                 whole.observe(&event);
                 if replay.horizon().is_some_and(|horizon| horizon.first_s().is_none()) {

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use compare::Measured;
-use replay::{Mode, Outcome};
+use replay::{Estimate, Mode, Outcome, PlantEstimate, WarmUp};
 use serde::Serialize;
 
 use super::human_name;
@@ -34,6 +34,12 @@ pub(super) struct Run {
     pub(super) furthest: Option<f64>,
     /// Metrics until the horizon; those of the whole run are in `tandem metrics`.
     pub(super) until_horizon: Option<BTreeMap<&'static str, Option<f64>>>,
+    /// Where only a part was replayed: whether its beginning is what the whole log gives.
+    pub(super) warm_up: Option<&'static str>,
+    /// With `--plant identified`: what the log shows of its plant.
+    pub(super) plant: Option<Plant>,
+    /// With `--floor`: how far each metric of the recording controller's replay is from the recorded.
+    pub(super) floor: Option<BTreeMap<&'static str, f64>>,
     pub(super) realtime_factor: Option<f64>,
     pub(super) cpu_s: Option<f64>,
     pub(super) error: Option<String>,
@@ -53,6 +59,66 @@ pub(super) struct Crossings {
     pub(super) state_s: Option<f64>,
     pub(super) sensor_s: Option<f64>,
     pub(super) human_s: Option<f64>,
+}
+
+/// What a log shows of its plant; null where it shows nothing.
+#[derive(Serialize)]
+pub(super) struct Plant {
+    gain_v: Option<Range>,
+    gain_omega: Option<Range>,
+    delay_s: Option<Range>,
+    accel_mps2: Option<Range>,
+    alpha_radps2: Option<Range>,
+    slip: Option<Range>,
+}
+
+/// A value with its range of 95 % confidence; null stands for a limit that was not felt.
+#[derive(Serialize)]
+struct Range {
+    value: Option<f64>,
+    low: Option<f64>,
+    high: Option<f64>,
+}
+
+impl Plant {
+    pub(super) fn of(found: &PlantEstimate) -> Plant {
+        let range = |estimate: Option<Estimate>| {
+            let finite = |value: f64| value.is_finite().then_some(value);
+            estimate.map(|estimate| Range {
+                value: finite(estimate.value),
+                low: finite(estimate.low),
+                high: finite(estimate.high),
+            })
+        };
+        Plant {
+            gain_v: range(found.gain_v),
+            gain_omega: range(found.gain_omega),
+            delay_s: range(found.delay_s),
+            accel_mps2: range(found.accel_mps2),
+            alpha_radps2: range(found.alpha_radps2),
+            slip: range(found.slip),
+        }
+    }
+
+    fn text(&self) -> String {
+        let fields = [
+            ("delay", "s", &self.delay_s),
+            ("acceleration", "m/s²", &self.accel_mps2),
+            ("angular acceleration", "rad/s²", &self.alpha_radps2),
+            ("slip", "", &self.slip),
+        ];
+        let known = fields.into_iter().filter_map(|(name, unit, range)| {
+            let range = range.as_ref()?;
+            Some(match (range.value, range.low, range.high) {
+                (Some(value), Some(low), Some(high)) => {
+                    format!("{name} {value:.3} {unit} ({low:.3}–{high:.3})")
+                }
+                (Some(value), ..) => format!("{name} {value:.3} {unit}, or none"),
+                _ => format!("{name} not limited"),
+            })
+        });
+        known.collect::<Vec<_>>().join(", ")
+    }
 }
 
 impl Run {
@@ -81,6 +147,9 @@ impl Run {
             horizon: None,
             furthest: None,
             until_horizon: None,
+            warm_up: None,
+            plant: None,
+            floor: None,
             realtime_factor: None,
             cpu_s: None,
             error: Some(error),
@@ -108,6 +177,10 @@ impl Run {
                 human_s: horizon.human_s,
             }),
             furthest: outcome.furthest,
+            warm_up: outcome.warm_up.map(|warm_up| match warm_up {
+                WarmUp::Exact => "exact",
+                WarmUp::Differs => "differs",
+            }),
             duration_s: outcome.duration_s,
             error: None,
             ..Run::failed(log, mode, controller, Status::Done, String::new())
@@ -144,6 +217,15 @@ impl Run {
         let _ = writeln!(text, "  recording    {verdict}");
         if let Some(horizon) = &self.horizon {
             let _ = writeln!(text, "  horizon      {}", self.horizon_text(horizon));
+        }
+        if let Some(plant) = &self.plant {
+            let _ = writeln!(text, "  plant        {}", plant.text());
+        }
+        if self.warm_up == Some("differs") {
+            let _ = writeln!(
+                text,
+                "  warm-up      the simulation did not follow the log: the part begins elsewhere"
+            );
         }
         let _ = writeln!(text, "  hash         {hash}");
         if let Some(factor) = self.realtime_factor {

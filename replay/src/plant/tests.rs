@@ -1,0 +1,80 @@
+//! The contract: what the simulated plant was given is what its log gives back.
+
+use super::*;
+use crate::session::{record, scenario};
+use schemas::SensorSuite;
+
+fn identified(plant: Plant, controller: &str, sensors: SensorSuite) -> PlantEstimate {
+    let mut scenario = scenario("random:rect:joystick:3", 30.0);
+    scenario.plant = Plant { ..plant };
+    PlantEstimate::of_log(record(&scenario, controller, sensors).open())
+}
+
+fn holds(estimate: Option<Estimate>, truth: f64, tolerance: f64, what: &str) {
+    let estimate = estimate.unwrap_or_else(|| panic!("{what} is identified"));
+    assert!((estimate.value - truth).abs() <= tolerance, "{what}: {estimate:?}, not {truth}");
+    assert!(estimate.low <= estimate.value && estimate.value <= estimate.high, "{estimate:?}");
+    assert!(
+        estimate.low <= truth + tolerance && truth - tolerance <= estimate.high,
+        "{estimate:?}"
+    );
+}
+
+const WORSE: Plant = Plant {
+    v_max_mps: 0.7,
+    omega_max_radps: 2.0,
+    accel_max_mps2: 0.6,
+    alpha_max_radps2: 2.0,
+    limits_acceleration: true,
+    actuator_delay_s: 0.12,
+    slip: 0.08,
+};
+
+/// From encoders and gyro, under people who drive alone.
+#[test]
+fn a_worse_plant_is_found_from_encoders() {
+    let found = identified(WORSE, "human", SensorSuite::Sonar);
+    holds(found.delay_s, 0.12, 0.015, "delay");
+    holds(found.accel_mps2, 0.6, 0.06, "acceleration");
+    holds(found.alpha_radps2, 2.0, 0.2, "angular acceleration");
+    holds(found.slip, 0.08, 0.01, "slip");
+    holds(found.gain_v, 1.0, 0.02, "gain");
+    let applied = found.applied_to(Plant::default());
+    assert!(applied.limits_acceleration && (applied.slip - 0.08).abs() < 0.01);
+}
+
+/// With exact rays nobody sees the wheels: slip is what the robot lacks of its command.
+#[test]
+fn a_worse_plant_is_found_from_exact_poses() {
+    let found = identified(WORSE, "human", SensorSuite::Exact);
+    holds(found.slip, 0.08, 0.02, "slip");
+    holds(found.delay_s, 0.12, 0.05, "delay");
+}
+
+/// The paper's own plant follows at once: no delay, no limit that was felt.
+#[test]
+fn an_ideal_plant_is_found_to_be_ideal() {
+    let found = identified(Plant::default(), "human", SensorSuite::Sonar);
+    holds(found.delay_s, 0.0, 0.011, "delay");
+    assert!(found.accel_mps2.is_some_and(|limit| limit.high.is_infinite()), "{found:?}");
+    holds(found.slip, 0.0, 0.01, "slip");
+}
+
+/// Under a law that commands accelerations the delay is found, and no limit is claimed.
+#[test]
+fn delays_show_under_accelerations_too() {
+    let plant = Plant { actuator_delay_s: 0.1, ..Plant::default() };
+    let found = identified(plant, "tandem-dynamic", SensorSuite::Sonar);
+    holds(found.delay_s, 0.1, 0.03, "delay");
+    assert_eq!((found.accel_mps2, found.alpha_radps2), (None, None));
+}
+
+/// A log without commands, or in which nothing was asked for, says nothing.
+#[test]
+fn a_robot_at_rest_says_nothing() {
+    let mut still = scenario("case3", 5.0);
+    still.person.script = vec![schemas::Stroke { v_mps: 0.0, omega_radps: 0.0, duration_s: 9.0 }];
+    let found = PlantEstimate::of_log(record(&still, "human", SensorSuite::Sonar).open());
+    assert_eq!(found, PlantEstimate::default());
+    assert_eq!(found.applied_to(WORSE), WORSE);
+}
