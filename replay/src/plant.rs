@@ -8,7 +8,7 @@
 //! ẏ(t) = clip(g u(t − τ) − y(t), ± a)   (at once where a is infinite)
 //! ```
 //!
-//! or, under a law that commands accelerations, as the integral of the delayed command. The
+//! or, under a law that commands accelerations, as the integral of the delayed command within ± a. The
 //! parameters are those of least squared error, found on a grid that is refined; a parameter's range
 //! holds the values at which the error grows by no more than chance would have it.
 
@@ -174,12 +174,21 @@ impl Seen {
         let of =
             |axis: usize, pick: fn(&Fit) -> Option<Estimate>| fits[axis].as_ref().and_then(pick);
         let (gain_v, gain_omega) = (of(0, |fit| fit.gain), of(1, |fit| fit.gain));
+        // The limits are the wheels'; with exact rays the robot's were seen, less by the slip.
+        let of_wheels = |limit: Option<Estimate>, gain: Option<Estimate>| {
+            let share = gain.filter(|_| self.exact).map_or(1.0, |gain| gain.value);
+            limit.map(|limit| Estimate {
+                value: limit.value / share,
+                low: limit.low / share,
+                high: limit.high / share,
+            })
+        };
         PlantEstimate {
             gain_v,
             gain_omega,
             delay_s: narrower(of(0, |fit| fit.delay_s), of(1, |fit| fit.delay_s)),
-            accel_mps2: of(0, |fit| fit.limit),
-            alpha_radps2: of(1, |fit| fit.limit),
+            accel_mps2: of_wheels(of(0, |fit| fit.limit), gain_v),
+            alpha_radps2: of_wheels(of(1, |fit| fit.limit), gain_omega),
             // With exact rays nobody sees the wheels: what the robot lacks of its command is slip.
             slip: if self.exact {
                 narrower(gain_v, gain_omega).map(|gain| Estimate {

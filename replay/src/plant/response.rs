@@ -96,22 +96,19 @@ impl Fit {
         };
         let gain = range(best.gain, 0.005, &|gain| Parameters { gain, ..best });
         let delay_s = range(best.delay_s, 0.005, &|delay_s| Parameters { delay_s, ..best });
-        let limit = (!accelerations).then(|| {
-            if best.limit.is_infinite() {
-                let low =
-                    LIMITS.into_iter().find(|limit| within(&Parameters { limit: *limit, ..best }));
-                let low = low.unwrap_or(f64::INFINITY);
-                Estimate { value: f64::INFINITY, low, high: f64::INFINITY }
-            } else {
-                let step = 0.02 * best.limit;
-                let mut limit = range(best.limit, step, &|limit| Parameters { limit, ..best });
-                if within(&Parameters { limit: f64::INFINITY, ..best }) {
-                    limit.high = f64::INFINITY;
-                }
-                limit
+        let limit = if best.limit.is_infinite() {
+            let felt = |limit: &f64| within(&Parameters { limit: *limit, ..best });
+            let low = LIMITS.into_iter().find(felt).unwrap_or(f64::INFINITY);
+            Estimate { value: f64::INFINITY, low, high: f64::INFINITY }
+        } else {
+            let step = 0.02 * best.limit;
+            let mut limit = range(best.limit, step, &|limit| Parameters { limit, ..best });
+            if within(&Parameters { limit: f64::INFINITY, ..best }) {
+                limit.high = f64::INFINITY;
             }
-        });
-        Some(Fit { gain: Some(gain), delay_s: Some(delay_s), limit })
+            limit
+        };
+        Some(Fit { gain: Some(gain), delay_s: Some(delay_s), limit: Some(limit) })
     }
 }
 
@@ -121,9 +118,7 @@ impl Axis<'_> {
         let mut best = Parameters { gain: 1.0, delay_s: 0.0, limit: f64::INFINITY };
         let mut least = f64::INFINITY;
         // A sharper limit must earn its place: from the absent one down.
-        for limit in
-            LIMITS.into_iter().rev().take(if self.accelerations { 1 } else { LIMITS.len() })
-        {
+        for limit in LIMITS.into_iter().rev() {
             for delay_s in DELAYS_S {
                 self.improve(&mut best, &mut least, Parameters { gain: 1.0, delay_s, limit });
             }
@@ -193,7 +188,7 @@ impl Axis<'_> {
 
     fn follow(&self, speed: f64, input: f64, span_s: f64, with: &Parameters) -> f64 {
         if self.accelerations {
-            return speed + input * span_s;
+            return speed + input.clamp(-with.limit, with.limit) * span_s;
         }
         if with.limit.is_infinite() {
             return if span_s > 0.0 { input } else { speed };
@@ -207,4 +202,36 @@ fn deviation(course: &Course) -> f64 {
     let mean = course.values.iter().sum::<f64>() / n;
     let squares: f64 = course.values.iter().map(|value| (value - mean) * (value - mean)).sum();
     libm::sqrt(squares / n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Accelerations of a saw tooth, followed late and within a limit that they exceed: both are
+    /// found from the speeds, integrated here in steps of a millisecond.
+    #[test]
+    fn a_limit_is_felt_under_accelerations() {
+        let asked = |step: i32| f64::from(step * 37 % 41 - 20) / 10.0;
+        let (mut command, mut response) = (Course::default(), Course::default());
+        let mut speed = 0.0;
+        for ms in 0..20_000 {
+            let t_s = f64::from(ms) / 1000.0;
+            if ms % 100 == 0 {
+                command.push(t_s, asked(ms / 100));
+            }
+            if ms % 20 == 0 {
+                response.push(t_s, speed);
+            }
+            if ms >= 60 {
+                speed += 0.001 * asked((ms - 60) / 100).clamp(-0.5, 0.5);
+            }
+        }
+        let fit = Fit::of(&command, &response, true, 0.2).expect("enough to fit");
+        let near = |estimate: Option<Estimate>, truth: f64| {
+            let estimate = estimate.expect("fitted");
+            (estimate.value - truth).abs() < 0.05 && estimate.low <= estimate.high
+        };
+        assert!(near(fit.limit, 0.5) && near(fit.delay_s, 0.06), "{fit:?}");
+    }
 }
