@@ -8,6 +8,7 @@ use schemas::log::{LogError, LogReader};
 use schemas::{Event, Scenario, Span, Stamped, Time};
 use simulator::{Simulation, SimulationSetup};
 
+use crate::fault::{Faults, Faulty};
 use crate::horizon::{Horizon, Watch};
 use crate::human::Person;
 use crate::led::Led;
@@ -20,7 +21,7 @@ use crate::{Covered, OutputHash, Recording, ReplayError, WarmUp, Window};
 const UNTIL_THE_RECORDING_ENDS: Span = Span(u64::MAX / 4);
 
 pub(crate) struct ClosedLoop<R> {
-    session: Session<Led<R>>,
+    session: Session<Faulty<Led<R>>>,
     beside: Beside<R>,
     tally: Tally,
     watch: Watch,
@@ -82,7 +83,7 @@ impl<R: Read> ClosedLoop<R> {
             person.of_recording(recording),
         )?;
         Ok(ClosedLoop {
-            session: Session::new(Led::new(simulation), runner),
+            session: Session::new(Faulty::new(Led::new(simulation), start), runner),
             beside,
             tally: Tally::new(Covered::Everything, start),
             watch: Watch::new(Arc::clone(recording), person.gains()),
@@ -93,11 +94,15 @@ impl<R: Read> ClosedLoop<R> {
         })
     }
 
+    pub(crate) fn under(&mut self, faults: Faults) {
+        self.session.source_mut().put(faults);
+    }
+
     /// Replays a part only; `log` leads up to it.
     pub(crate) fn within(&mut self, window: Window, log: LogReader<R>) {
         self.between = Between::new(window, self.start);
         if self.between.from > self.start {
-            self.session.source_mut().follow(log, self.between.from);
+            self.session.source_mut().source_mut().follow(log, self.between.from);
             self.warm_up = Some([0, 1].map(|_| OutputHash::new(Covered::Everything, self.start)));
         }
     }

@@ -14,6 +14,7 @@
 mod angle;
 mod closed;
 mod error;
+mod fault;
 mod hash;
 mod horizon;
 mod human;
@@ -29,6 +30,7 @@ mod tee;
 mod window;
 
 pub use error::ReplayError;
+pub use fault::{BadFault, FAULTS, Fault, Faults};
 pub use hash::{Covered, OutputHash};
 pub use horizon::Horizon;
 pub use human::{Gains, Person, Reaction};
@@ -133,6 +135,16 @@ impl<R: Read + 'static> Replay<R> {
     ) -> Result<Replay<R>, ReplayError> {
         let replay = closed::ClosedLoop::alone(recording, spec, person)?;
         Ok(Replay(Kind::Closed(Box::new(replay))))
+    }
+
+    /// Puts faults between the source and the controller. To be called before the first event.
+    #[must_use]
+    pub fn under(mut self, faults: Faults) -> Replay<R> {
+        match &mut self.0 {
+            Kind::Open(replay) => replay.under(faults),
+            Kind::Closed(replay) => replay.under(faults),
+        }
+        self
     }
 
     /// Replays a part of the log only. `log` is another reader of it, whose commands lead a closed loop

@@ -7,6 +7,7 @@ use controller::{Runner, Session, Setup, Spec};
 use schemas::log::LogError;
 use schemas::{Command, Event, Pulled, Source, Stamped, Step, Time};
 
+use crate::fault::{Faults, Faulty};
 use crate::outcome::{Outcome, Tally};
 use crate::recorded::sensors_of;
 use crate::tee::Events;
@@ -43,7 +44,7 @@ impl<R: Read> Source for LogSource<R> {
 }
 
 pub(crate) struct OpenLoop<R> {
-    session: Session<LogSource<R>>,
+    session: Session<Faulty<LogSource<R>>>,
     tally: Tally,
     /// The recorded counterpart of the step handed out last.
     recorded_step: Option<Box<Step>>,
@@ -71,13 +72,20 @@ impl<R: Read> OpenLoop<R> {
             });
         }
         Ok(OpenLoop {
-            session: Session::new(LogSource { log, recorded: Vec::new() }, runner),
+            session: Session::new(
+                Faulty::new(LogSource { log, recorded: Vec::new() }, start),
+                runner,
+            ),
             tally: Tally::new(Covered::Outputs, start),
             recorded_step: None,
             between: Between::new(Window::default(), start),
             start,
             ended: false,
         })
+    }
+
+    pub(crate) fn under(&mut self, faults: Faults) {
+        self.session.source_mut().put(faults);
     }
 
     /// Replays a part only: what comes before is heard, and left unsaid.
@@ -101,7 +109,7 @@ impl<R: Read> OpenLoop<R> {
         }
         let next = self.session.next_event();
         let Between { from, to } = self.between;
-        for event in self.session.source_mut().recorded.drain(..) {
+        for event in self.session.source_mut().source_mut().recorded.drain(..) {
             if (from..=to).contains(&event.at) {
                 self.tally.recorded(&event);
             }
@@ -119,7 +127,9 @@ impl<R: Read> OpenLoop<R> {
                     return Some(event);
                 }
                 self.tally.replayed(&event);
-                if let (Event::Step(step), Some(recorded)) = (&event.value, &self.recorded_step) {
+                if let (Event::Step(step), Some(recorded)) = (&event.value, &self.recorded_step)
+                    && step.stamp == recorded.stamp
+                {
                     self.tally.compare_steps(step, recorded);
                 }
                 Some(event)

@@ -19,6 +19,7 @@ mod simulation;
 
 pub use error::SimulatorError;
 pub use human::{Human, HumanView, Request, driver};
+pub use noise::{Purpose, Reading, Stream};
 pub use scenario::{scenario, scenarios};
 pub use sensors::{EARTH_FIELD_UT, GRAVITY_MPS2, SONAR_CONE_HALF_DEG};
 pub use simulation::{JOYSTICK_PERIOD, Simulation, SimulationSetup};

@@ -21,7 +21,7 @@ fn mix(word: u64) -> u64 {
 /// What a stream's noise is for. The numbers are part of what "the same seed" means: never reuse
 /// or renumber one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Purpose {
+pub enum Purpose {
     /// A sonar's faults, by its id.
     Sonar(u8),
     /// The IMU.
@@ -38,6 +38,8 @@ pub(crate) enum Purpose {
     Wish,
     /// A person's decisions, mistakes and lapses.
     Whim,
+    /// A fault put into a replay, by its number.
+    Fault(u8),
 }
 
 impl Purpose {
@@ -51,63 +53,65 @@ impl Purpose {
             Purpose::Scenario => 0x600,
             Purpose::Wish => 0x700,
             Purpose::Whim => 0x800,
+            Purpose::Fault(number) => 0x900 + u64::from(number),
         }
     }
 }
 
 /// The noise of one sensor.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stream {
+pub struct Stream {
     key: u64,
 }
 
 impl Stream {
-    pub(crate) fn new(seed: u64, purpose: Purpose) -> Stream {
+    /// The noise of a seed for a purpose.
+    pub fn new(seed: u64, purpose: Purpose) -> Stream {
         Stream { key: mix(mix(seed.wrapping_add(GOLDEN)).wrapping_add(purpose.number())) }
     }
 
     /// The noise of reading number `index`.
-    pub(crate) fn reading(self, index: u64) -> Reading {
+    pub fn reading(self, index: u64) -> Reading {
         Reading { key: mix(self.key ^ mix(index.wrapping_add(GOLDEN))) }
     }
 }
 
 /// The noise of one reading: any number of independent draws, told apart by their number.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reading {
+pub struct Reading {
     key: u64,
 }
 
 impl Reading {
     /// Sixty-four random bits.
-    pub(crate) fn bits(self, draw: u64) -> u64 {
+    pub fn bits(self, draw: u64) -> u64 {
         mix(self.key.wrapping_add(GOLDEN.wrapping_mul(draw.wrapping_add(1))))
     }
 
     /// Uniform in the open interval (0, 1), 53 bits fine.
-    pub(crate) fn uniform(self, draw: u64) -> f64 {
+    pub fn uniform(self, draw: u64) -> f64 {
         ((self.bits(draw) >> 11) as f64 + 0.5) * (1.0 / (1_u64 << 53) as f64)
     }
 
     /// Uniform between two numbers.
-    pub(crate) fn between(self, draw: u64, low: f64, high: f64) -> f64 {
+    pub fn between(self, draw: u64, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform(draw)
     }
 
     /// Whether something of this probability happens.
-    pub(crate) fn happens(self, draw: u64, probability: f64) -> bool {
+    pub fn happens(self, draw: u64, probability: f64) -> bool {
         self.uniform(draw) < probability
     }
 
     /// A whole number from 0 to `count - 1`; 0 for a count of 0.
-    pub(crate) fn pick(self, draw: u64, count: u64) -> u64 {
+    pub fn pick(self, draw: u64, count: u64) -> u64 {
         // The high half of the product: unbiased to 2^-64 × count.
         ((u128::from(self.bits(draw)) * u128::from(count)) >> 64) as u64
     }
 
     /// Two independent normals of mean 0 and deviation 1, by Box and Muller; takes the draws
     /// `draw` and `draw + 1`.
-    pub(crate) fn normals(self, draw: u64) -> [f64; 2] {
+    pub fn normals(self, draw: u64) -> [f64; 2] {
         let radius = libm::sqrt(-2.0 * libm::log(self.uniform(draw)));
         let (sin, cos) = libm::sincos(TAU * self.uniform(draw.wrapping_add(1)));
         [radius * cos, radius * sin]

@@ -174,3 +174,19 @@ fn plant_and_floor() {
     assert!(run["plant"]["delay_s"]["value"].as_f64().unwrap() < 0.011);
     assert_eq!(run["plant"]["accel_mps2"]["value"], serde_json::Value::Null);
 }
+
+/// Faults are refused by name, and repeat with their seed.
+#[test]
+fn faults_are_named_and_seeded() {
+    let here = Workplace::new();
+    here.record("log.mcap", "--scenario case1-lab --duration 8");
+    let hash = |options: &str| {
+        let run = here.tandem(&format!("replay --format json --mode closed {options} log.mcap"));
+        run.succeeds().json()["runs"][0]["output_hash"].as_str().unwrap().to_owned()
+    };
+    let faulty = "--fault sonar-dropout=0.4 --fault latency=0.02";
+    assert_eq!(hash(faulty), hash(faulty));
+    assert_ne!(hash(faulty), hash(""));
+    assert_ne!(hash(faulty), hash(&format!("{faulty} --fault-seed 1")));
+    here.tandem("replay --fault sonar-dead=17 log.mcap").exits(2);
+}

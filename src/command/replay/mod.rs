@@ -15,7 +15,9 @@ use ::compare::{CATALOGUE, Meter};
 use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
 use ladder::Ladder;
-use replay::{Gains, Mode, Outcome, Person, PlantEstimate, Reaction, Recording, Window};
+use replay::{
+    Fault, Faults, Gains, Mode, Outcome, Person, PlantEstimate, Reaction, Recording, Window,
+};
 use result::{Plant, Run};
 use schemas::log::{LogWriter, WriterOptions};
 use schemas::{Event, Header, RunInfo, Span, Stamped};
@@ -42,6 +44,7 @@ Examples:
   tandem replay logs/*.mcap --controller paper-kinematic --mode closed --human ladder
   tandem replay session.mcap --mode closed --human fitted --plant identified --floor
   tandem replay session.mcap --mode closed --from 12 --to 20
+  tandem replay session.mcap --mode closed --fault sonar-dead=3 --fault latency=0.1
 
 Exit status: 1 when an open-loop replay of the recording controller is not identical to the
 recording, or when a damaged log could be replayed in part only.")]
@@ -66,6 +69,14 @@ pub struct Replay {
     /// Closed loop: also measure how far the recording controller's own replay is from the recording
     #[arg(long)]
     pub floor: bool,
+    /// Put a fault between sensors and controller, the same for every controller; may be repeated.
+    /// sonar-dropout, cross-talk, encoder-slip take a share, sonar-bias metres, sonar-dead an id,
+    /// gyro-bias rad/s, latency and jitter seconds, joystick-freeze FROM-TO in seconds
+    #[arg(long = "fault", value_name = "NAME=VALUE")]
+    pub faults: Vec<Fault>,
+    /// Seed of what is random about the faults
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub fault_seed: u64,
     /// Write the replayed session: a file for one log, a folder for several
     #[arg(long, short, value_name = "FILE|DIR")]
     pub output: Option<PathBuf>,
@@ -273,7 +284,8 @@ impl Replay {
                 }
                 _ => replay::Replay::new(|| logs::open_raw(log), &spec, *mode),
             };
-            let replay = replay.with_context(name)?.within(window, open()?);
+            let faults = Faults { faults: self.faults.clone(), seed: self.fault_seed };
+            let replay = replay.with_context(name)?.within(window, open()?).under(faults);
             let mut run =
                 self.replay_one(common, log, (*mode, several, &spec, began), replay, &header)?;
             run.plant = plant.as_ref().map(Plant::of);
@@ -404,7 +416,8 @@ impl Replay {
             return Status::Impossible;
         }
         let recording_controller = self.controller == ControllerChoice::Recorded;
-        let should_be_identical = mode == Mode::Open && recording_controller;
+        let should_be_identical =
+            mode == Mode::Open && recording_controller && self.faults.is_empty();
         if outcome.damage.is_some() || (should_be_identical && !outcome.identical_to_recorded) {
             Status::Differs
         } else {

@@ -1,0 +1,135 @@
+//! The contract: each fault does what its name says, to nothing else, the same for every controller.
+
+use super::*;
+use crate::session::{record, same, scenario, spec};
+use crate::{Mode, Person, Replay};
+use schemas::{Event, SensorSuite};
+
+fn replayed(faults: &[&str], mode: Mode, controller: &str) -> [Vec<Stamped<Event>>; 2] {
+    let scenario = scenario("random:rect:joystick:7", 6.0);
+    let log = record(&scenario, "human", SensorSuite::Sonar);
+    let faults = Faults {
+        faults: faults.iter().map(|fault| fault.parse().expect("a fault")).collect(),
+        seed: 3,
+    };
+    let mut replay = Replay::new(|| Ok(log.open()), &spec(controller, &scenario), mode)
+        .expect("replays")
+        .under(faults);
+    let events = std::iter::from_fn(|| replay.next_event()).collect();
+    [log.events, events]
+}
+
+fn samples(events: &[Stamped<Event>]) -> Vec<&Sample> {
+    let sample = |event: &'_ Stamped<Event>| matches!(event.value, Event::Sample(_));
+    events
+        .iter()
+        .filter(|event| sample(event))
+        .map(|event| match &event.value {
+            Event::Sample(sample) => sample,
+            _ => unreachable!("filtered"),
+        })
+        .collect()
+}
+
+/// Whether every pair of samples with the same stamp differs exactly where `differs` says.
+fn differ_where(faults: &[&str], modes: &[Mode], differs: impl Fn(&Sample) -> bool) {
+    for mode in modes {
+        let [before, after] = replayed(faults, *mode, "human");
+        let (before, after) = (samples(&before), samples(&after));
+        assert_eq!(before.len(), after.len(), "{faults:?}");
+        let mut any = false;
+        for (before, after) in before.iter().zip(&after) {
+            let differ = format!("{before:?}") != format!("{after:?}");
+            any |= differ;
+            assert!(!differ || differs(before), "{faults:?}: {before:?} became {after:?}");
+        }
+        assert!(any, "{faults:?} does nothing");
+    }
+}
+
+#[test]
+fn faults_alter_what_they_are_named_after() {
+    // The person drives alone: what sensors say moves nothing, and what the joystick says does.
+    let both = [Mode::Open, Mode::Closed(Person::Playback)];
+    for sonar in ["sonar-dropout=0.5", "cross-talk=0.5", "sonar-bias=0.2"] {
+        differ_where(&[sonar], &both, |sample| matches!(sample, Sample::Sonar(_)));
+    }
+    differ_where(
+        &["sonar-dead=3"],
+        &both,
+        |sample| matches!(sample, Sample::Sonar(scan) if scan.echoes.iter().any(|echo| echo.id == 3)),
+    );
+    differ_where(&["gyro-bias=0.1"], &both, |sample| matches!(sample, Sample::Imu(_)));
+    differ_where(&["encoder-slip=0.1"], &both, |sample| matches!(sample, Sample::Encoders(_)));
+    differ_where(&["joystick-freeze=2-4"], &both[..1], |sample| match sample {
+        Sample::Joystick(joystick) => {
+            (2.0..4.0).contains(&joystick.stamp.seconds_since(schemas::SIMULATION_EPOCH))
+        }
+        _ => false,
+    });
+}
+
+/// Half of the readings drop out, give or take five standard deviations of a binomial.
+#[test]
+fn a_share_is_a_share() {
+    let [before, after] = replayed(&["sonar-dropout=0.5"], Mode::Open, "human");
+    let heard = |events: &[Stamped<Event>]| {
+        let echoes = |sample: &&Sample| match sample {
+            Sample::Sonar(scan) => scan.echoes.iter().filter(|echo| echo.echo).count(),
+            _ => 0,
+        };
+        samples(events).iter().map(echoes).sum::<usize>() as f64
+    };
+    let (before, after) = (heard(&before), heard(&after));
+    assert!((after - 0.5 * before).abs() < 5.0 * libm::sqrt(0.25 * before), "{after} of {before}");
+}
+
+/// Late sensors keep their stamps and arrive later, never the joystick, and log times increase.
+#[test]
+fn late_sensors_arrive_late() {
+    let [before, after] = replayed(&["latency=0.03", "jitter=0.02"], Mode::Open, "human");
+    assert!(after.windows(2).all(|pair| pair[0].at < pair[1].at));
+    let mut last_s: f64 = 0.0;
+    for event in &after {
+        let Event::Sample(sample) = &event.value else { continue };
+        let late_s = event.at.seconds_since(sample.stamp());
+        if matches!(sample, Sample::Joystick(_)) {
+            assert!(late_s < 1e-6);
+        } else {
+            assert!((0.03..0.0501).contains(&late_s), "{late_s}");
+            last_s = last_s.max(late_s);
+        }
+    }
+    assert!(last_s > 0.045, "jitter comes on top of latency");
+    // What had not arrived by the end is missing, and nothing else.
+    assert!(samples(&before).len() - samples(&after).len() < 20);
+}
+
+/// The same faults meet every controller; another seed makes others; no fault is no fault.
+#[test]
+fn faults_are_the_same_for_every_controller() {
+    let faults = ["sonar-dropout=0.3", "cross-talk=0.1"];
+    let [_, a] = replayed(&faults, Mode::Open, "human");
+    let [_, b] = replayed(&faults, Mode::Open, "tandem-kinematic");
+    let text = |events: &[Stamped<Event>]| format!("{:?}", samples(events));
+    assert_eq!(text(&a), text(&b));
+    let [before, after] = replayed(&[], Mode::Open, "human");
+    assert!(same(&before, &after));
+}
+
+#[test]
+fn bad_faults_are_refused_with_what_there_is() {
+    for bad in [
+        "",
+        "sonar-dead",
+        "sonar-dead=16",
+        "sonar-dropout=1.5",
+        "latency=-1",
+        "jitter=nan",
+        "joystick-freeze=3",
+        "wind=3",
+    ] {
+        let error = bad.parse::<Fault>().expect_err(bad).to_string();
+        assert!(error.contains("sonar-dropout=SHARE"), "{error}");
+    }
+}
