@@ -46,7 +46,7 @@ pub use step::{
 pub use time::{NS_PER_S, SIMULATION_EPOCH, Span, Stamped, Time};
 pub use timing::Timing;
 pub use truth::{Disc, Truth};
-pub use world::{HalfPlane, MovingDisc, NearestFace, Obstacle, World};
+pub use world::{Body, HalfPlane, MovingDisc, NearestFace, Obstacle, World};
 
 /// Types generated from `proto/tandem/v1`.
 #[expect(clippy::pedantic, reason = "generated code")]

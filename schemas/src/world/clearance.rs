@@ -49,8 +49,12 @@ impl World {
     }
 }
 
-/// A footprint put down at a pose.
-struct Body {
+/// A footprint put down at a pose: what its signed distances to single things are asked of.
+///
+/// Every distance is exact apart, and minus the penetration depth in contact, as in
+/// [`World::clearance_m`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
     centre_m: [f64; 2],
     forward: [f64; 2],
     left: [f64; 2],
@@ -60,7 +64,8 @@ struct Body {
 }
 
 impl Body {
-    fn new(footprint: &Footprint, pose: &Pose) -> Body {
+    /// `footprint` at `pose`.
+    pub fn new(footprint: &Footprint, pose: &Pose) -> Body {
         let (sin, cos) = libm::sincos(pose.theta_rad);
         let half_length_m = 0.5 * footprint.length_m;
         let half_width_m = 0.5 * footprint.width_m;
@@ -96,11 +101,13 @@ impl Body {
             + self.half_width_m * dot(self.left, direction).abs()
     }
 
-    fn to_wall_m(&self, wall: &HalfPlane) -> f64 {
+    /// Signed distance, metres, to the edge of a half-plane.
+    pub fn to_wall_m(&self, wall: &HalfPlane) -> f64 {
         wall.distance_m(self.centre_m) - self.reach_m(wall.normal)
     }
 
-    fn to_obstacle_m(&self, obstacle: &Obstacle) -> f64 {
+    /// Signed distance, metres, to a convex polygon.
+    pub fn to_obstacle_m(&self, obstacle: &Obstacle) -> f64 {
         if self.is_point() {
             return obstacle.distance_m(self.centre_m);
         }
@@ -152,7 +159,8 @@ impl Body {
         widest_m
     }
 
-    fn to_disc_m(&self, disc: &Disc) -> f64 {
+    /// Signed distance, metres, to a disc.
+    pub fn to_disc_m(&self, disc: &Disc) -> f64 {
         let offset_m = minus(disc.centre_m, self.centre_m);
         let beyond_m = [
             dot(self.forward, offset_m).abs() - self.half_length_m,

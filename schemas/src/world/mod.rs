@@ -13,6 +13,7 @@ mod polygon;
 mod ray;
 mod travel;
 
+pub use clearance::Body;
 pub use face::NearestFace;
 
 use serde::{Deserialize, Serialize};

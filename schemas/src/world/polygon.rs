@@ -71,7 +71,7 @@ impl Obstacle {
 
     /// Distance, metres, from a point to the polygon; inside, minus the way out; +∞ to a polygon
     /// without an edge.
-    pub(super) fn distance_m(&self, point_m: [f64; 2]) -> f64 {
+    pub fn distance_m(&self, point_m: [f64; 2]) -> f64 {
         match self.separation(point_m) {
             None => f64::INFINITY,
             Some((beyond_m, _)) if beyond_m <= 0.0 => beyond_m,
