@@ -3,7 +3,7 @@
 
 mod random;
 
-use schemas::Scenario;
+use schemas::{Plant, Scenario, ScenarioError};
 
 use crate::SimulatorError;
 
@@ -40,11 +40,40 @@ pub fn scenarios() -> Vec<(String, String)> {
     built_in.chain(random).collect()
 }
 
-/// The scenario of a name: a built-in one, `random:N`, or `random:KIND:DRIVER:N`.
+/// The scenario of a name: a built-in one, `random:N`, or `random:KIND:DRIVER:N`; with keys of its
+/// plant set differently where `:key=value,key=value` follows, as after a controller's name.
 ///
 /// # Errors
-/// There is none of that name; the error says which there are and which comes nearest.
+/// There is none of that name; the error says which there are and which comes nearest. Or the plant
+/// has no such key, or the value is no TOML or out of range.
 pub fn scenario(name: &str) -> Result<Scenario, SimulatorError> {
+    match name.rsplit_once(':') {
+        Some((base, settings)) if settings.contains('=') => {
+            let mut scenario = named(base)?;
+            scenario.plant = with_settings(&scenario, settings)
+                .map_err(|source| SimulatorError::Scenario { name: name.to_owned(), source })?;
+            name.clone_into(&mut scenario.name);
+            Ok(scenario)
+        }
+        _ => named(name),
+    }
+}
+
+/// The scenario's plant, with keys set as `key=value,key=value` says.
+fn with_settings(scenario: &Scenario, settings: &str) -> Result<Plant, ScenarioError> {
+    let mut plant: toml::Table =
+        toml::from_str(&toml::to_string(&scenario.plant).map_err(|e| {
+            // Cannot be: a plant is numbers and a truth value.
+            ScenarioError::Value(e.to_string())
+        })?)?;
+    let changed: toml::Table = settings.replace(',', "\n").parse()?;
+    plant.extend(changed);
+    let plant: Plant = plant.try_into()?;
+    Scenario { plant, ..scenario.clone() }.check()?;
+    Ok(plant)
+}
+
+fn named(name: &str) -> Result<Scenario, SimulatorError> {
     if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
         return Scenario::from_toml(text)
             .map_err(|source| SimulatorError::Scenario { name: name.to_owned(), source });

@@ -181,3 +181,24 @@ fn random_scenarios_are_made_by_their_number_alone() {
         scenario("random:18446744073709551615").expect("the largest number").to_toml().len() > 9
     );
 }
+
+/// `:key=value,…` sets keys of the plant, nothing else; what the plant does not have is refused.
+#[test]
+fn a_name_may_set_the_plant() {
+    let plain = scenario("random:slant:goal:7").expect("ok");
+    let name =
+        "random:slant:goal:7:actuator_delay_s=0.1,limits_acceleration=true,accel_max_mps2=0.3";
+    let slow = scenario(name).expect("ok");
+    assert_eq!(slow.name, name);
+    let plant = Plant {
+        actuator_delay_s: 0.1,
+        limits_acceleration: true,
+        accel_max_mps2: 0.3,
+        ..plain.plant
+    };
+    assert_eq!(slow, Scenario { name: name.to_owned(), plant, ..plain });
+    assert_eq!(scenario("case1-lab:slip=0").expect("an integer is a number").plant.slip, 0.0);
+    for bad in ["case1-lab:delay=0.1", "case1-lab:slip=2", "case1-lab:slip=", "case9:slip=0"] {
+        assert!(scenario(bad).is_err(), "{bad}");
+    }
+}
