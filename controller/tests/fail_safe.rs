@@ -237,16 +237,37 @@ fn before_the_safe_set_was_seen_the_law_drives() {
 
 #[test]
 fn control_is_granted_only_where_the_projection_would_not_alter_it() {
-    let mut runner = runner("tandem-kinematic");
     // Driving along a wall 4 mm beside the body's circle: D along the heading is metres, the cone
-    // of the safety layer meets the wall.
-    let pose =
-        Pose { x_m: -1.0, y_m: 2.0 - 0.25 * std::f64::consts::SQRT_2 - 0.004, theta_rad: 0.0 };
-    let exact = Sample::Exact(ExactPose { stamp: at(0.0), pose, v_mps: 0.0, omega_radps: 0.0 });
-    let step = step(&mut runner, 0.0, &[exact, joystick(0.0, 0.7, 0.0)]);
-    assert!(step.distance_human_m > 2.0);
-    assert_eq!((step.k, step.reason), (0.0, Reason::WouldBeProjected));
-    assert_eq!(step.region, Region::Danger);
+    // of the safety layer meets the wall; the body itself does not.
+    let circle_y_m = 2.0 - 0.25 * std::f64::consts::SQRT_2 - 0.004;
+    // 1 cm beside it, turning away: D is metres again, and a rear corner would swing out.
+    let body_y_m = 2.0 - 0.25 - 0.01;
+    for (projection, y_m, asked, granted) in [
+        ("cone", circle_y_m, [0.7, 0.0], false),
+        ("circle", circle_y_m, [0.7, 0.0], true),
+        ("rectangle", circle_y_m, [0.7, 0.0], true),
+        ("circle", body_y_m, [0.2, 0.0], true),
+        ("circle", body_y_m, [0.2, -0.5], false),
+        ("both", body_y_m, [0.2, 0.0], true),
+        ("both", body_y_m, [0.2, -0.5], false),
+        ("rectangle", body_y_m, [0.2, -0.5], false),
+    ] {
+        let overrides = [("projection".to_owned(), projection.into())].into_iter().collect();
+        let spec = Spec::resolve("tandem-kinematic", &[&overrides]).expect("a version");
+        let setup =
+            Setup { spec, scenario: scenario(None), sensors: SensorSuite::Exact, start: START };
+        let mut runner = Runner::new(&setup).expect("defaults go together");
+        let pose = Pose { x_m: -1.0, y_m, theta_rad: 0.0 };
+        let exact = Sample::Exact(ExactPose { stamp: at(0.0), pose, v_mps: 0.0, omega_radps: 0.0 });
+        let step = step(&mut runner, 0.0, &[exact, joystick(0.0, asked[0], asked[1])]);
+        assert!(step.distance_human_m > 2.0);
+        if granted {
+            assert_eq!((step.k, step.u_s), (1.0, asked), "{projection} at {y_m}");
+        } else {
+            assert_eq!((step.k, step.reason), (0.0, Reason::WouldBeProjected), "{projection}");
+            assert_eq!(step.region, Region::Danger);
+        }
+    }
 }
 
 #[test]

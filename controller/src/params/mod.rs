@@ -263,14 +263,16 @@ parameters! {
     sets: Sets = Sets::Total, "", Allowed::Names(Sets::NAMES), "specification §5, errata 10 and 11";
     /// When the sets see D less the guard and the travel of one period.
     margin: Precaution = Precaution::Never, "", Allowed::Names(Precaution::NAMES), "specification §5";
-    /// Distance kept free by the margin and by the safety layer.
+    /// Distance that the swept body keeps from everything that it is that far from.
+    body_guard_m: f64 = 0.03, "m", range(0.0, 1.0), "specification §9, S2 and S3";
+    /// Distance kept free by the margin and by the cone of the safety layer.
     guard_m: f64 = 0.02, "m", range(0.0, 1.0), "specification §8";
     /// Bound that is assumed on the speed of things that move.
     v_disc_mps: f64 = 0.3, "m/s", range(0.0, 5.0), "specification §8";
     /// How the input is brought within the plant's limits.
     saturation: Saturation = Saturation::Scale, "", Allowed::Names(Saturation::NAMES), "specification §9, S1";
     /// Which safety layer has the last word.
-    projection: Projection = Projection::Cone, "", Allowed::Names(Projection::NAMES), "specification §9, S2";
+    projection: Projection = Projection::Both, "", Allowed::Names(Projection::NAMES), "specification §9, S2 and S3";
     /// Half-angle that the cone of the safety layer has beyond the turn of one period.
     cone_rad: f64 = 0.05, "rad", range(0.0, 1.5), "specification §9, S2";
     /// How far ahead the joystick's arc predicts the target.

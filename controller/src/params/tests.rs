@@ -69,7 +69,7 @@ fn the_versions_differ_as_specified() {
     assert_eq!(tandem.reverse_law, ReverseLaw::Mirrored);
     assert_eq!((paper.v_rest_mps, tandem.v_rest_mps), (0.0, 0.004));
     assert_eq!((paper.saturation, tandem.saturation), (Saturation::Clip, Saturation::Scale));
-    assert_eq!((paper.projection, tandem.projection), (Projection::None, Projection::Cone));
+    assert_eq!((paper.projection, tandem.projection), (Projection::None, Projection::Both));
     // Everything else is alike.
     let tandem_as_paper = Params {
         frame: paper.frame,

@@ -23,15 +23,17 @@ pub(super) struct Facts<'a> {
     pub(super) t_s: f64,
     /// Why the robot must stand still whatever anyone asks for.
     pub(super) blocked: Option<Reason>,
+    /// The safety layer, where there is one.
+    pub(super) shield: Option<Shield>,
 }
 
 impl Runner {
     /// Decides, and notes everything in the step.
     pub(super) fn decide(&mut self, facts: &Facts<'_>, step: &mut Step) {
-        let Runner { setup, senses, memory, .. } = self;
+        let Runner { setup, senses, memory, near, .. } = self;
         let setup: &Setup = setup;
         let Setup { spec, scenario, sensors, .. } = setup;
-        let Facts { request, pose, speeds, t_s, blocked } = *facts;
+        let Facts { request, pose, speeds, t_s, blocked, shield } = *facts;
         let (law, params) = (spec.law, &spec.params);
         let limits = setup.limits();
         let requested = clip(request.u, &Limits::of_velocity(&scenario.plant));
@@ -49,8 +51,7 @@ impl Runner {
         [step.target_x_m, step.target_y_m] = target.position_m;
         [step.target_vx_mps, step.target_vy_mps] = target.velocity_mps;
 
-        let shield = setup.shield(speeds);
-        let view = View { law, params, senses, pose, speeds, target: &target };
+        let view = View { law, params, senses, near, pose, speeds, target: &target };
         let mut feedback = Feedback { u: [0.0; 2], trouble: None };
         // Without a pose D is not a number, and what is not a number is dangerous.
         let mut reason = Reason::PoseInvalid;
@@ -127,6 +128,14 @@ impl View<'_> {
                 *law == Law::Kinematic && d_m <= 0.0 && senses.law_ray_m(pose, along_rad) <= 0.0;
             return if pushing { [0.0, u[1]] } else { u };
         };
-        shield.project(u, pose.theta_rad, |angle_rad| senses.safety_ray_m(pose, angle_rad))
+        let ray_m = |angle_rad| senses.safety_ray_m(pose, angle_rad);
+        shield.project(u, pose.theta_rad, ray_m, self.near)
+    }
+
+    /// Whether the safety layer leaves an input as it is.
+    pub(super) fn harmless(&self, u: [f64; 2], shield: &Shield) -> bool {
+        let View { senses, pose, .. } = self;
+        let ray_m = |angle_rad| senses.safety_ray_m(pose, angle_rad);
+        shield.allows(u, pose.theta_rad, ray_m, self.near)
     }
 }

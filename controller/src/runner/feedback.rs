@@ -10,6 +10,7 @@ use super::senses::Senses;
 use crate::frame::{Aim, Framed, frame};
 use crate::params::Params;
 use crate::plan::{Plan, Scene, plan};
+use crate::safety::Near;
 use crate::spec::Law;
 use crate::target::{Target, UNDERFOOT_M, direction_rad};
 
@@ -28,6 +29,7 @@ pub(super) struct View<'a> {
     pub(super) law: Law,
     pub(super) params: &'a Params,
     pub(super) senses: &'a Senses,
+    pub(super) near: &'a Near,
     pub(super) pose: &'a Pose,
     /// Present speeds, [m/s, rad/s].
     pub(super) speeds: [f64; 2],

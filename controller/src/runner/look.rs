@@ -103,15 +103,20 @@ impl Look<'_> {
         }
     }
 
-    /// What the safety layer leaves of the input `u` in the state of `step`; `None` without one.
-    pub fn shielded(&self, step: &Step, u: [f64; 2]) -> Option<Shielded> {
-        let shield = self.runner.setup.shield([step.v_mps, step.omega_radps])?;
+    /// What the safety layer leaves of the input `u`; `None` without one.
+    pub fn shielded(&self, u: [f64; 2]) -> Option<Shielded> {
+        let shield = self.runner.setup.shield(self.runner.foreseen)?;
         let asked = RefCell::new(Shortest::default());
-        let left = shield.project(u, self.from.theta_rad, |angle_rad| {
-            let free_m = self.runner.senses.safety_ray_m(&self.from, angle_rad);
-            asked.borrow_mut().take(angle_rad, free_m);
-            free_m
-        });
+        let left = shield.project(
+            u,
+            self.from.theta_rad,
+            |angle_rad| {
+                let free_m = self.runner.senses.safety_ray_m(&self.from, angle_rad);
+                asked.borrow_mut().take(angle_rad, free_m);
+                free_m
+            },
+            &self.runner.near,
+        );
         let angle_rad = asked.into_inner().angle_rad;
         Some(Shielded { u: left, ray: angle_rad.map(|angle_rad| self.safety_ray(angle_rad)) })
     }

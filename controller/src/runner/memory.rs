@@ -20,8 +20,6 @@ pub(super) struct Memory {
     pub(super) fell: Option<([f64; 2], [f64; 2])>,
     /// Whether the feedback law drives the mirrored robot.
     pub(super) mirrored: bool,
-    /// The command in force, [m/s, rad/s].
-    pub(super) commanded: [f64; 2],
 }
 
 impl Memory {
@@ -44,6 +42,5 @@ impl Memory {
         if self.mirrored {
             digest.word(1);
         }
-        digest.numbers(&self.commanded);
     }
 }

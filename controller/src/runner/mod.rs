@@ -22,11 +22,12 @@ use schemas::{
 
 use crate::digest::Digest;
 use crate::estimation::Estimate;
+use crate::safety::{Drive, Moving, Near, Shield};
 use crate::spec::{Law, SpecError};
 use decision::Facts;
 pub use look::{Look, Ray, Shielded};
 use memory::Memory;
-use prediction::predict;
+use prediction::Underway;
 use request::{Request, stale};
 pub(crate) use reverse::ReverseLaw;
 use senses::Senses;
@@ -50,6 +51,11 @@ pub struct Runner {
     memory: Memory,
     /// Where the last step measured from; for explanations, never read by a step.
     looked_from: Option<Pose>,
+    /// How fast it foresaw itself there, [m/s, rad/s]; likewise.
+    foreseen: [f64; 2],
+    underway: Underway,
+    /// What stands near, as of the step in hand.
+    near: Near,
     /// What was observed since the previous step.
     heard: Digest,
     index: u64,
@@ -68,6 +74,9 @@ impl Runner {
             joystick: None,
             memory: Memory::default(),
             looked_from: None,
+            foreseen: [0.0; 2],
+            underway: Underway::new(setup.scenario.plant, setup.spec.params.control_period_s),
+            near: Senses::room_for_near(&setup.scenario, setup.sensors),
             heard: Digest::default(),
             index: 0,
         })
@@ -125,17 +134,29 @@ impl Runner {
         let t_s = now.seconds_since(self.setup.start);
         // The command will take effect later and, where the newest odometry is older than now,
         // elsewhere.
-        let speeds = [estimate.v_mps, estimate.omega_radps];
-        let pose = predict(&estimate.pose, speeds, odometry_age_s);
-        let delay_s = self.setup.scenario.plant.actuator_delay_s;
-        let pose = predict(&pose, self.memory.commanded, delay_s);
+        let estimated =
+            Moving { pose: estimate.pose, speeds: [estimate.v_mps, estimate.omega_radps] };
+        let Moving { pose, speeds } = self.underway.foresee(&estimated, odometry_age_s, now);
         self.senses.advance(now, t_s, &pose);
         self.looked_from = Some(pose);
+        self.foreseen = speeds;
+        let shield = self.setup.shield(speeds);
+        if let Some(sweep) = shield.as_ref().and_then(Shield::sweep) {
+            let keep_circle_m = self.setup.keep_circle_m();
+            self.near.clear(&pose, sweep.reach(), keep_circle_m);
+            self.senses.gather(&mut self.near, self.setup.spec.params.v_disc_mps);
+        }
         let blocked = self.blocked(&estimate, odometry_age_s, t_s);
-        let facts = Facts { request: &request, pose: &pose, speeds, t_s, blocked };
+        let facts = Facts { request: &request, pose: &pose, speeds, t_s, blocked, shield };
         self.decide(&facts, &mut step);
         let command = self.command(now, &step, speeds);
-        self.memory.commanded = [command.twist.v_mps, command.twist.omega_radps];
+        self.underway.give(
+            now,
+            match command.accel {
+                None => Drive::Velocities(step.u_s),
+                Some(accel) => Drive::Accelerations(accel),
+            },
+        );
         step.state_hash = self.state_hash();
         Outcome { step, command }
     }
@@ -158,6 +179,7 @@ impl Runner {
             hashing::fold_sample(&mut digest, &Sample::Joystick(joystick), self.setup.start);
         }
         self.senses.fold(&mut digest, self.setup.start);
+        self.underway.fold(&mut digest, self.setup.start);
         digest.value()
     }
 

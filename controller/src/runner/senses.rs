@@ -11,6 +11,7 @@ use crate::digest::Digest;
 use crate::estimation::{Estimate, Odometry, Report};
 use crate::params::Params;
 use crate::perception::echo_map::{EchoMap, EchoMapSettings, LimitingEcho};
+use crate::safety::Near;
 use crate::travel::DBody;
 
 /// One sensor suite's view.
@@ -166,6 +167,44 @@ impl Senses {
         match self {
             Senses::Exact(_) => None,
             Senses::Sonar(sonar) => sonar.map.safety_limit(&sonar.odometry, from, angle_rad),
+        }
+    }
+
+    /// What [`Senses::gather`] can be asked to fill.
+    pub(super) fn room_for_near(scenario: &Scenario, suite: SensorSuite) -> Near {
+        let footprint = scenario.robot.footprint;
+        match suite {
+            SensorSuite::Exact => {
+                let world = &scenario.world;
+                let most = world.room.len() + world.discs.len();
+                Near::new(footprint, &world.obstacles, most)
+            }
+            SensorSuite::Sonar => Near::new(footprint, &[], EchoMap::MOST_POINTS),
+        }
+    }
+
+    /// Adds what is near; to be asked after [`Senses::advance`]. What may move does so at no more
+    /// than `v_disc_mps`.
+    pub(super) fn gather(&self, near: &mut Near, v_disc_mps: f64) {
+        match self {
+            Senses::Exact(exact) => {
+                for wall in &exact.world.room {
+                    near.wall(wall);
+                }
+                near.obstacles();
+                for moving in &exact.world.discs {
+                    // How fast a thing is, is known here as well.
+                    let speed_mps = moving.speed_mps.min(v_disc_mps);
+                    near.disc(moving.at(exact.t_s), speed_mps, 0.0);
+                }
+            }
+            Senses::Sonar(sonar) => {
+                near.looked(sonar.map.knows_the_ways());
+                for (disc, may_move) in sonar.map.near_points() {
+                    let speed_mps = if may_move { v_disc_mps } else { 0.0 };
+                    near.disc(disc, speed_mps, disc.radius_m);
+                }
+            }
         }
     }
 

@@ -3,7 +3,7 @@
 use schemas::{Scenario, SensorSuite, Time};
 
 use crate::params::Params;
-use crate::safety::{Braking, Cone, Limits, Projection, Shield, clip};
+use crate::safety::{Braking, Cone, Limits, Projection, Shield, Sweep, clip};
 use crate::sharing::Patience;
 use crate::spec::{Law, Spec, SpecError};
 use crate::travel::DMode;
@@ -119,6 +119,17 @@ impl Setup {
         )
     }
 
+    /// How clear the turning circle is to stay of what it is that clear of, metres, if at all.
+    pub(super) fn keep_circle_m(&self) -> Option<f64> {
+        let params = &self.spec.params;
+        let swept_circle = match params.projection {
+            Projection::Circle => true,
+            Projection::Both => self.turns_out_of_cones(),
+            Projection::None | Projection::Cone | Projection::Rectangle => false,
+        };
+        swept_circle.then_some(params.body_guard_m)
+    }
+
     /// The safety layer of a step that finds the robot at `speeds`.
     pub(super) fn shield(&self, [v_mps, omega_radps]: [f64; 2]) -> Option<Shield> {
         let (params, plant) = (&self.spec.params, &self.scenario.plant);
@@ -127,8 +138,22 @@ impl Setup {
         }
         let (period_s, guard_m, v_disc_mps, spread_rad) =
             (params.control_period_s, params.guard_m, params.v_disc_mps, params.cone_rad);
+        let sweep = Sweep {
+            plant: *plant,
+            accelerations: self.spec.law == Law::Dynamic,
+            period_s,
+            guard_m: params.body_guard_m,
+            later_s: plant.actuator_delay_s,
+            speeds: [v_mps, omega_radps],
+        };
+        match params.projection {
+            Projection::Rectangle | Projection::Circle => return Some(Shield::Swept(sweep)),
+            Projection::Both if self.turns_out_of_cones() => return Some(Shield::Swept(sweep)),
+            Projection::None | Projection::Cone | Projection::Both => {}
+        }
+        let swept = params.projection == Projection::Both;
         if self.spec.law == Law::Dynamic {
-            return Some(Shield::Acceleration(Braking {
+            let braking = Braking {
                 period_s,
                 guard_m,
                 v_disc_mps,
@@ -137,18 +162,43 @@ impl Setup {
                 alpha_radps2: plant.alpha_max_radps2,
                 v_mps,
                 omega_radps,
-            }));
+            };
+            return Some(if swept {
+                Shield::AccelerationSwept(braking, sweep)
+            } else {
+                Shield::Acceleration(braking)
+            });
         }
         let brake_mps2 = plant.limits_acceleration.then_some(plant.accel_max_mps2);
-        Some(Shield::Velocity(Cone {
+        let cone = Cone {
             period_s,
             guard_m,
             v_disc_mps,
             spread_rad,
-            turning_s: period_s + brake_mps2.map_or(0.0, |a| plant.v_max_mps / a),
+            turning_s: period_s + self.braking_s(),
             omega_now_radps: if brake_mps2.is_some() { omega_radps } else { 0.0 },
             brake_mps2,
-        }))
+        };
+        Some(if swept { Shield::VelocitySwept(cone, sweep) } else { Shield::Velocity(cone) })
+    }
+
+    /// How long it takes to brake from full speed, seconds; 0 where commands take effect at once.
+    fn braking_s(&self) -> f64 {
+        let plant = &self.scenario.plant;
+        if self.spec.law == Law::Dynamic || plant.limits_acceleration {
+            plant.v_max_mps / plant.accel_max_mps2
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether the plant can turn by a right angle or more before it is looked at again and has
+    /// stopped: then a cone of headings says nothing.
+    fn turns_out_of_cones(&self) -> bool {
+        let params = &self.spec.params;
+        let turning_s = params.control_period_s + self.braking_s();
+        let turn_rad = self.scenario.plant.omega_max_radps * turning_s + params.cone_rad;
+        turn_rad >= std::f64::consts::FRAC_PI_2
     }
 }
 

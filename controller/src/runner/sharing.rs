@@ -73,7 +73,7 @@ impl View<'_> {
         memory: &mut Memory,
         step: &mut Step,
     ) -> Reason {
-        let View { params, senses, pose, .. } = self;
+        let params = self.params;
         let mut verdict = self.verdict(question, question.request);
         // For the dynamic model the request is no input: ask about the present speed as well
         // (erratum 13). As printed, k is a function of the requested speed alone.
@@ -84,10 +84,7 @@ impl View<'_> {
         let mut region = verdict.region;
         let next = memory.switch.next(region);
         let altered = next.human
-            && question.shield.is_some_and(|shield| {
-                let ray_m = |angle_rad: f64| senses.safety_ray_m(pose, angle_rad);
-                shield.project(question.u_h, pose.theta_rad, ray_m) != question.u_h
-            });
+            && question.shield.is_some_and(|shield| !self.harmless(question.u_h, &shield));
         let reason = if altered {
             region = Region::Danger;
             verdict.danger = 1.0;

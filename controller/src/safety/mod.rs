@@ -6,10 +6,16 @@
 mod braking;
 mod cone;
 mod limits;
+mod motion;
+mod near;
+mod sweep;
 
 pub use braking::Braking;
 pub use cone::Cone;
 pub use limits::{Limits, clip, scale};
+pub use motion::{Drive, Moving, arc};
+pub use near::{Keep, Near};
+pub use sweep::Sweep;
 
 use crate::params::choice;
 
@@ -31,6 +37,12 @@ choice! {
         /// Least free distance over a cone of headings about travel: S2 for the kinematic model, S3
         /// for the dynamic one.
         Cone = "cone",
+        /// The footprint swept along the motion of the coming period and of braking after it.
+        Rectangle = "rectangle",
+        /// The same, and the turning circle stays clear of what it is clear of.
+        Circle = "circle",
+        /// The cone while nothing is within the turning circle, and then the swept footprint.
+        Both = "both",
     }
 }
 
@@ -41,15 +53,64 @@ pub enum Shield {
     Velocity(Cone),
     /// S3: the input is an acceleration.
     Acceleration(Braking),
+    /// S2 and S3 with the body swept.
+    Swept(Sweep),
+    /// S2, where nothing is within the turning circle, and then the body swept.
+    VelocitySwept(Cone, Sweep),
+    /// The same with S3.
+    AccelerationSwept(Braking, Sweep),
 }
 
 impl Shield {
     /// `u`, bit for bit, where it is harmless at `heading_rad`; otherwise a lesser input. `ray_m`
-    /// measures along world angles, NaN for the unknown, which counts as blocked.
-    pub fn project(&self, u: [f64; 2], heading_rad: f64, ray_m: impl Fn(f64) -> f64) -> [f64; 2] {
+    /// measures along world angles, NaN for the unknown, which counts as blocked; a swept body looks
+    /// at `near` instead.
+    pub fn project(
+        &self,
+        u: [f64; 2],
+        heading_rad: f64,
+        ray_m: impl Fn(f64) -> f64,
+        near: &Near,
+    ) -> [f64; 2] {
         match self {
             Shield::Velocity(cone) => cone.project(u, heading_rad, ray_m),
             Shield::Acceleration(braking) => braking.project(u, heading_rad, ray_m),
+            Shield::Swept(sweep) => sweep.project(u, near),
+            Shield::VelocitySwept(_, sweep) | Shield::AccelerationSwept(_, sweep)
+                if near.crowded() =>
+            {
+                sweep.project(u, near)
+            }
+            Shield::VelocitySwept(cone, sweep) => {
+                sweep.project(cone.project(u, heading_rad, ray_m), near)
+            }
+            Shield::AccelerationSwept(braking, sweep) => {
+                sweep.project(braking.project(u, heading_rad, ray_m), near)
+            }
+        }
+    }
+
+    /// The part that sweeps the body, if any.
+    pub fn sweep(&self) -> Option<&Sweep> {
+        match self {
+            Shield::Velocity(_) | Shield::Acceleration(_) => None,
+            Shield::Swept(sweep)
+            | Shield::VelocitySwept(_, sweep)
+            | Shield::AccelerationSwept(_, sweep) => Some(sweep),
+        }
+    }
+
+    /// Whether [`Shield::project`] leaves `u` as it is.
+    pub fn allows(
+        &self,
+        u: [f64; 2],
+        heading_rad: f64,
+        ray_m: impl Fn(f64) -> f64,
+        near: &Near,
+    ) -> bool {
+        match self {
+            Shield::Swept(sweep) => sweep.allows(u, near),
+            _ => self.project(u, heading_rad, ray_m, near) == u,
         }
     }
 }

@@ -30,7 +30,7 @@ mod points;
 mod ray;
 mod scan;
 
-use schemas::{Footprint, Pose, SONARS, SonarEcho, SonarScan, Time};
+use schemas::{Disc, Footprint, Pose, SONARS, SonarEcho, SonarScan, Time};
 
 use self::beam::{Beam, BodyToWorld, unit};
 use self::cones::{Cones, Reading};
@@ -95,6 +95,8 @@ pub struct EchoMap {
     law_gaps: Vec<[f64; 2]>,
     safety_gaps: Vec<[f64; 2]>,
     advanced_to: Option<Time>,
+    /// The odometer then, metres.
+    advanced_at_m: f64,
 }
 
 impl EchoMap {
@@ -113,6 +115,7 @@ impl EchoMap {
             law_gaps: Vec::with_capacity(Gaps::MOST_POINTS),
             safety_gaps: Vec::with_capacity(Gaps::MOST_POINTS),
             advanced_to: None,
+            advanced_at_m: 0.0,
         }
     }
 
@@ -136,6 +139,7 @@ impl EchoMap {
             self.forget();
         }
         self.advanced_to = Some(now);
+        self.advanced_at_m = odometry.odometer_m();
         self.place_pending(odometry);
         self.points.age(now, odometry.odometer_m());
         self.cones.age(now, self.settings.lease_s);
@@ -214,6 +218,29 @@ impl EchoMap {
             least_m = least_m.min(outside_m + beyond_m.max(aside_m).min(0.0));
         }
         least_m
+    }
+
+    /// Most points there can be.
+    pub(crate) const MOST_POINTS: usize = Points::CAPACITY;
+
+    /// Everything that was heard, each point as a disc of its uncertainty, world frame, and whether it
+    /// may be on its way. To be asked after [`EchoMap::advance`].
+    pub(crate) fn near_points(&self) -> impl Iterator<Item = (Disc, bool)> + '_ {
+        let now = self.advanced_to.unwrap_or_default();
+        self.points.iter().map(move |point| {
+            let moved_m = self.moved_m(point, now);
+            let radius_m = EchoMap::uncertainty_m(point, self.advanced_at_m) + moved_m;
+            let may_move = now.seconds_since(point.fired) < MOVING_S && !stands(point);
+            (Disc { centre_m: point.at_m, radius_m }, may_move)
+        })
+    }
+
+    /// Whether the ways ahead and behind have been looked at: every sonar within 50° of either.
+    pub(crate) fn knows_the_ways(&self) -> [bool; 2] {
+        const ACROSS_DEG: [f64; 7] = [-50.0, -30.0, -10.0, 0.0, 10.0, 30.0, 50.0];
+        [0.0, 180.0].map(|way_deg: f64| {
+            ACROSS_DEG.iter().all(|off_deg| self.known((way_deg + off_deg).to_radians()))
+        })
     }
 
     /// Whether every sonar has given a valid reading at least once.
@@ -358,9 +385,13 @@ impl EchoMap {
     /// How far what echoed there may have come since, metres.
     fn moved_m(&self, point: &Point, now: Time) -> f64 {
         let age_s = now.seconds_since(point.fired).max(0.0);
-        let stands = point.confirmed && point.fired.seconds_since(point.since) >= STANDS_AFTER_S;
-        if stands || age_s >= MOVING_S { 0.0 } else { self.settings.v_disc_mps * age_s }
+        if stands(point) || age_s >= MOVING_S { 0.0 } else { self.settings.v_disc_mps * age_s }
     }
+}
+
+/// Whether what echoed has been there for so long that it is not reckoned to move.
+fn stands(point: &Point) -> bool {
+    point.confirmed && point.fired.seconds_since(point.since) >= STANDS_AFTER_S
 }
 
 #[cfg(test)]

@@ -14,10 +14,6 @@ use schemas::Time;
 use super::beam::ARC_POINTS;
 use crate::digest::Digest;
 
-/// How many points are kept, at most. Two echoes of five points every 40 ms for 5 s are 1250 if none
-/// repeats another; repeats, carving and the short life of the unconfirmed leave 200 to 400.
-const CAPACITY: usize = 1024;
-
 /// A confirmed point is remembered this long, seconds (prototype: longer lets odometry drift in).
 const CONFIRMED_LIFE_S: f64 = 5.0;
 
@@ -117,9 +113,13 @@ pub(super) struct Points {
 }
 
 impl Points {
+    /// How many points are kept, at most. Two echoes of five points every 40 ms for 5 s are 1250 if
+    /// none repeats another; repeats, carving and the short life of the unconfirmed leave 200 to 400.
+    pub(super) const CAPACITY: usize = 1024;
+
     pub(super) fn new() -> Points {
         Points {
-            kept: Vec::with_capacity(CAPACITY),
+            kept: Vec::with_capacity(Points::CAPACITY),
             confirm_slope: libm::tan(CONFIRM_HALF_CONE_DEG.to_radians()),
             carve_slope: libm::tan(CARVE_HALF_CONE_DEG.to_radians()),
         }
@@ -205,7 +205,7 @@ impl Points {
 
     /// When full, forgets the oldest point.
     fn make_room(&mut self) {
-        if self.kept.len() < CAPACITY {
+        if self.kept.len() < Points::CAPACITY {
             return;
         }
         let oldest = self.kept.iter().enumerate().min_by_key(|(_, point)| point.fired);
