@@ -16,16 +16,23 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 TANDEM = Path(__file__).resolve().parent.parent / "target/release/tandem"
+DELAY = ":actuator_delay_s=0.1"
+SLOW = DELAY + ",limits_acceleration=true,accel_max_mps2=0.3"
 ROWS = [
-    ("human", "exact"),
-    ("paper-kinematic", "exact"),
-    ("tandem-kinematic", "exact"),
-    ("paper-dynamic", "exact"),
-    ("tandem-dynamic", "exact"),
-    ("tandem-dynamic:control_period_s=0.1", "exact"),
-    ("paper-kinematic", "sonar"),
-    ("tandem-kinematic", "sonar"),
-    ("tandem-dynamic", "sonar"),
+    ("human", "exact", ""),
+    ("paper-kinematic", "exact", ""),
+    ("tandem-kinematic", "exact", ""),
+    ("tandem-kinematic", "exact", SLOW),
+    ("paper-dynamic", "exact", ""),
+    ("tandem-dynamic", "exact", ""),
+    ("tandem-dynamic:control_period_s=0.1", "exact", ""),
+    ("tandem-dynamic:control_period_s=0.1", "exact", SLOW),
+    ("paper-kinematic", "sonar", DELAY),
+    ("tandem-kinematic", "sonar", DELAY),
+    ("tandem-kinematic", "sonar", SLOW),
+    ("tandem-dynamic", "sonar", DELAY),
+    ("tandem-dynamic:control_period_s=0.1", "sonar", DELAY),
+    ("tandem-dynamic:control_period_s=0.1", "sonar", SLOW),
 ]
 KINDS = ["rect", "slant", "disc"]
 DRIVERS = ["joystick", "goal"]
@@ -36,13 +43,13 @@ def run(*arguments: str) -> str:
     return subprocess.run([TANDEM, *arguments], check=True, capture_output=True, text=True).stdout
 
 
-def cell(controller: str, sensors: str, kind: str, driver: str, rooms: int) -> list[dict]:
+def cell(controller: str, sensors: str, plant: str, kind: str, driver: str, rooms: int) -> list[dict]:
     with tempfile.TemporaryDirectory() as folder:
         logs = []
         for number in range(1, rooms + 1):
             logs.append(f"{folder}/{number}.mcap")
             run("record", "--quiet", "--no-view", "--sensors", sensors, "--controller", controller,
-                "--scenario", f"random:{kind}:{driver}:{number}", "-o", logs[-1])
+                "--scenario", f"random:{kind}:{driver}:{number}{plant}", "-o", logs[-1])
         runs = json.loads(run("metrics", "--quiet", "--threads", "1", "--format", "json", *logs))["runs"]
     assert len(runs) == rooms
     metrics = []
@@ -50,7 +57,7 @@ def cell(controller: str, sensors: str, kind: str, driver: str, rooms: int) -> l
         assert measured["error"] is None, measured
         values = {name: reading["value"] for name, reading in measured["metrics"].items()}
         if values["invariance_breaches"] and controller.startswith("tandem"):
-            print(f"left: {controller} {sensors} random:{kind}:{driver}:{number}", file=sys.stderr)
+            print(f"left: {controller} {sensors} random:{kind}:{driver}:{number}{plant}", file=sys.stderr)
         metrics.append(values)
     return metrics
 
@@ -64,9 +71,9 @@ def main() -> None:
     print("| version, sensors | `rect` | `slant` | `disc` | human share | override | time stuck % | unwarranted % | missed % | switches 1/min |")
     print("|---|---|---|---|---|---|---|---|---|---|")
     with ThreadPoolExecutor(2) as pool:
-        for controller, sensors in ROWS:
+        for controller, sensors, plant in ROWS:
             pairs = [(kind, driver) for kind in KINDS for driver in DRIVERS]
-            cells = dict(zip(pairs, pool.map(lambda p: cell(controller, sensors, *p, rooms), pairs)))
+            cells = dict(zip(pairs, pool.map(lambda p: cell(controller, sensors, plant, *p, rooms), pairs)))
             left = {p: 100 * mean([m["invariance_breaches"] > 0 for m in cells[p]]) for p in pairs}
 
             def shown_mean(name: str, factor: float, digits: int) -> str:
@@ -86,6 +93,7 @@ def main() -> None:
             shown.append(shown_mean("missed", 100, 1))
             shown.append(shown_mean("switches_per_min", 1, 0))
             suite = "exact rays" if sensors == "exact" else "sonars"
+            suite += {"": "", DELAY: ", delay", SLOW: ", delay, 0.3 m/s²"}[plant]
             print(f"| `{controller}`, {suite} | " + " | ".join(shown) + " |", flush=True)
 
 
