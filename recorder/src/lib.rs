@@ -10,7 +10,7 @@ pub use pace::Pace;
 
 use controller::{Runner, Session};
 use schemas::log::{LogError, LogWriter, Sink, Summary};
-use schemas::{Event, Source, Time};
+use schemas::{Event, Source, Stamped};
 
 /// Why recording stopped before its end. What was written until then is a valid log only if
 /// [`LogWriter::finish`] could still run; after an I/O error it is a log without an end.
@@ -39,8 +39,8 @@ pub struct Recorded {
 
 /// Records a session to its end, or until `go_on` says no. Either way the log is finished.
 ///
-/// `go_on` is asked before each event, with its log time: the place for a progress bar, for pacing
-/// to real time, and for Ctrl-C.
+/// `go_on` is asked before each event is written: the place for a progress bar, for pacing to real
+/// time, for showing the person how near danger is, and for Ctrl-C.
 ///
 /// # Errors
 /// The source fails, or the log cannot be written (a full disk, say).
@@ -48,7 +48,7 @@ pub fn record<S, W>(
     source: S,
     runner: Runner,
     mut log: LogWriter<W>,
-    mut go_on: impl FnMut(Time) -> bool,
+    mut go_on: impl FnMut(&Stamped<Event>) -> bool,
 ) -> Result<Recorded, RecordError<S::Error>>
 where
     S: Source,
@@ -62,7 +62,7 @@ where
             Ok(None) => break None,
             Err(error) => break Some(error),
         };
-        if !go_on(event.at) {
+        if !go_on(&event) {
             interrupted = true;
             break None;
         }

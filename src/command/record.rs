@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use controller::{Runner, Setup};
 use recorder::{Pace, RecordError, Recorded};
 use schemas::log::WriterOptions;
-use schemas::{Driver, RunInfo, SIMULATION_EPOCH, Scenario, SensorSuite, Span};
+use schemas::{Driver, Event, RunInfo, SIMULATION_EPOCH, Scenario, SensorSuite, Span};
 use simulator::{Simulation, SimulationSetup};
 
 use crate::cli::{Common, Format};
@@ -199,14 +199,17 @@ impl Record {
             common,
             duration.0 / 1_000_000,
             "recording",
-            "{msg} {bar:30} {percent}% {eta}",
+            "{msg:38} {bar:30} {percent}% {eta}",
         );
         let pace = self.realtime.then(|| Pace::new(start));
-        let recorded = recorder::record(simulation, runner, log, |at| {
+        let recorded = recorder::record(simulation, runner, log, |event| {
             if let Some(pace) = &pace {
-                pace.wait_for(at);
+                pace.wait_for(event.at);
             }
-            bar.set_position(at.0.saturating_sub(start.0) / 1_000_000);
+            if let (Event::Step(step), false) = (&event.value, bar.is_hidden()) {
+                bar.set_message(signal(step.k, step.danger));
+            }
+            bar.set_position(event.at.0.saturating_sub(start.0) / 1_000_000);
             !interrupt::pressed()
         });
         bar.finish_and_clear();
@@ -215,6 +218,19 @@ impl Record {
             RecordError::Source(never) => match never {},
         })
     }
+}
+
+/// Who drives and how near danger is, as a person sees it while recording:
+/// `person drives, danger 0.4 ####......`.
+fn signal(k: f64, danger: f64) -> String {
+    const TENTHS: &str = "##########..........";
+    let who = if k == 1.0 { "person drives" } else { "law drives" };
+    if danger.is_nan() {
+        return format!("{who}, danger not known");
+    }
+    let danger = danger.clamp(0.0, 1.0);
+    let filled = (10.0 * danger).round() as usize;
+    format!("{:14} danger {danger:.1} {}", format!("{who},"), &TENTHS[10 - filled..20 - filled])
 }
 
 /// A scenario by name, or from a TOML file.
@@ -243,5 +259,19 @@ fn driver_name(driver: Driver) -> &'static str {
         Driver::Flowing => "flowing",
         Driver::Explorer => "explorer",
         Driver::Tracker => "tracker",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::signal;
+
+    #[test]
+    fn the_signal_grows_with_danger() {
+        assert_eq!(signal(1.0, 0.0), "person drives, danger 0.0 ..........");
+        assert_eq!(signal(1.0, 0.42), "person drives, danger 0.4 ####......");
+        assert_eq!(signal(0.0, 1.0), "law drives,    danger 1.0 ##########");
+        assert_eq!(signal(0.0, 9.0), signal(0.0, 1.0));
+        assert_eq!(signal(0.0, f64::NAN), "law drives, danger not known");
     }
 }

@@ -1,4 +1,4 @@
-//! `/scene`: room, obstacles, moving discs, robot, sonar cones, target and distances.
+//! `/scene`: room, obstacles, moving discs, robot, danger, sonar cones, target and distances.
 //!
 //! Every update holds every entity, also those with nothing to show just now: a viewer that seeks
 //! restores only the last update, and an empty entity is what takes an old one away.
@@ -18,14 +18,16 @@ use super::primitives::{
 use super::room::{Segment, walls};
 use crate::{Disc, Footprint, Pose, SONAR_REACH_M, SONARS, Scenario, SonarEcho, Step, Time};
 
-/// Half the opening of a sonar's cone, radians: 20° across.
-const HALF_CONE_RAD: f64 = 10.0 * std::f64::consts::PI / 180.0;
 /// Age at which a reading has faded away, seconds: three sweeps of all sonars.
 const FADED_S: f64 = 1.0;
 /// How high the robot's body is drawn, metres.
 const BODY_HEIGHT_M: f64 = 0.28;
 /// Radius at which a point robot is drawn, metres.
 const POINT_RADIUS_M: f64 = 0.06;
+/// How high the gauge of danger stands, metres: so much is danger 1.
+const GAUGE_HEIGHT_M: f64 = 0.8;
+/// How thick it is, metres.
+const GAUGE_WIDTH_M: f64 = 0.08;
 
 /// What stays the same over a session.
 #[derive(Debug)]
@@ -33,6 +35,8 @@ pub(super) struct Stage {
     walls: Vec<Segment>,
     obstacles: Vec<Vec<[f64; 2]>>,
     footprint: Footprint,
+    /// Half the opening of a sonar's cone.
+    half_cone_rad: f64,
 }
 
 impl Stage {
@@ -42,6 +46,7 @@ impl Stage {
             walls: walls(scenario),
             obstacles: obstacles.map(|obstacle| obstacle.corners_m.clone()).collect(),
             footprint: scenario.robot.footprint,
+            half_cone_rad: half_cone_deg(scenario).to_radians(),
         }
     }
 
@@ -52,7 +57,8 @@ impl Stage {
             discs(seen.truth.as_ref().map_or(&[], |truth| &truth.discs)),
             self.robot(seen),
             self.estimate(seen),
-            sonar(at, &seen.sonar),
+            self.danger(seen),
+            self.sonar(at, &seen.sonar),
             seen.step.as_deref().map_or_else(|| entity(ODOM, "target"), target),
             seen.step.as_deref().map_or_else(|| entity(ODOM, "distances"), distances),
         ];
@@ -116,9 +122,68 @@ impl Stage {
         SceneEntity { lines: vec![outline], ..estimate }
     }
 
+    /// How near danger is, the graded signal to the person, as a bar that grows behind the robot in
+    /// an outline as high as danger 1; nothing where it is not known.
+    fn danger(&self, seen: &Seen) -> SceneEntity {
+        let gauge = entity(BASE, "danger");
+        let step = seen.step.as_deref();
+        let danger = step.map_or(f64::NAN, |step| step.danger.clamp(0.0, 1.0));
+        if seen.robot().is_none() || !danger.is_finite() {
+            return gauge;
+        }
+        let place = [-0.5 * self.footprint.length_m - GAUGE_WIDTH_M, 0.0];
+        let ends = [point(place, 0.0), point(place, GAUGE_HEIGHT_M)];
+        let outline = lines(LineStrip, ends.to_vec(), 0.01, colour::UNKNOWN);
+        let height_m = danger * GAUGE_HEIGHT_M;
+        let foot = Pose { x_m: place[0], y_m: place[1], theta_rad: 0.0 };
+        let bar = CubePrimitive {
+            pose: Some(pose(&foot, 0.5 * height_m)),
+            size: Some(Vector3 { x: GAUGE_WIDTH_M, y: GAUGE_WIDTH_M, z: height_m }),
+            color: Some(driver_colour(step)),
+        };
+        SceneEntity { lines: vec![outline], cubes: vec![bar], ..gauge }
+    }
+
+    /// One triangle per sonar, from the sensor to where it heard something, the fainter the older.
+    fn sonar(&self, at: Time, echoes: &[Option<SonarEcho>; SONARS.len()]) -> SceneEntity {
+        let cones = echoes.iter().zip(SONARS).filter_map(|(echo, mount)| {
+            let echo = echo.as_ref()?;
+            let freshness = 1.0 - at.seconds_since(echo.fired) / FADED_S;
+            let (reach_m, colour) = if echo.echo {
+                (echo.range_m, colour::ECHO)
+            } else {
+                (SONAR_REACH_M, colour::SILENCE)
+            };
+            if !(freshness > 0.0 && reach_m.is_finite()) {
+                return None;
+            }
+            let at_face =
+                Pose { x_m: mount.x_m, y_m: mount.y_m, theta_rad: mount.bearing_deg.to_radians() };
+            let ends = [-self.half_cone_rad, self.half_cone_rad].map(|off| {
+                let (sin, cos) = libm::sincos(off);
+                at_face.transform(reach_m * cos, reach_m * sin)
+            });
+            // Silence is drawn fainter than an echo, a reading from the future as a fresh one.
+            let strength = freshness.min(1.0) * if echo.echo { 0.5 } else { 0.15 };
+            let corners = [at_face.position_m(), ends[0], ends[1]];
+            Some(TriangleListPrimitive {
+                pose: Some(identity()),
+                points: corners.map(|corner| point(corner, 0.15)).to_vec(),
+                color: Some(colour::faded(colour, strength)),
+                ..TriangleListPrimitive::default()
+            })
+        });
+        SceneEntity { triangles: cones.collect(), ..entity(BASE, "sonar") }
+    }
+
     fn is_point(&self) -> bool {
         self.footprint.length_m <= 0.0 || self.footprint.width_m <= 0.0
     }
+}
+
+/// As wide as the session's sonars hear; where their noise is not modelled, as the data sheet says.
+fn half_cone_deg(scenario: &Scenario) -> f64 {
+    scenario.noise.sonar.as_ref().map_or(10.0, |noise| noise.half_cone_deg)
 }
 
 fn entity(frame: &str, id: &str) -> SceneEntity {
@@ -143,35 +208,6 @@ fn discs(discs: &[Disc]) -> SceneEntity {
     let cylinders: Vec<CylinderPrimitive> =
         finite.map(|disc| cylinder(disc.centre_m, disc.radius_m, 1.2, colour::PERSON)).collect();
     SceneEntity { cylinders, ..entity(WORLD, "discs") }
-}
-
-/// One triangle per sonar, from the sensor to where it heard something, the fainter the older.
-fn sonar(at: Time, echoes: &[Option<SonarEcho>; SONARS.len()]) -> SceneEntity {
-    let cones = echoes.iter().zip(SONARS).filter_map(|(echo, mount)| {
-        let echo = echo.as_ref()?;
-        let freshness = 1.0 - at.seconds_since(echo.fired) / FADED_S;
-        let (reach_m, colour) =
-            if echo.echo { (echo.range_m, colour::ECHO) } else { (SONAR_REACH_M, colour::SILENCE) };
-        if !(freshness > 0.0 && reach_m.is_finite()) {
-            return None;
-        }
-        let at_face =
-            Pose { x_m: mount.x_m, y_m: mount.y_m, theta_rad: mount.bearing_deg.to_radians() };
-        let ends = [-HALF_CONE_RAD, HALF_CONE_RAD].map(|off| {
-            let (sin, cos) = libm::sincos(off);
-            at_face.transform(reach_m * cos, reach_m * sin)
-        });
-        // Silence is drawn fainter than an echo, a reading from the future as a fresh one.
-        let strength = freshness.min(1.0) * if echo.echo { 0.5 } else { 0.15 };
-        let corners = [at_face.position_m(), ends[0], ends[1]];
-        Some(TriangleListPrimitive {
-            pose: Some(identity()),
-            points: corners.map(|corner| point(corner, 0.15)).to_vec(),
-            color: Some(colour::faded(colour, strength)),
-            ..TriangleListPrimitive::default()
-        })
-    });
-    SceneEntity { triangles: cones.collect(), ..entity(BASE, "sonar") }
 }
 
 /// The target `p_d`, its velocity, and the displacement from the robot's estimate to it.

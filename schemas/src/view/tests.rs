@@ -60,7 +60,8 @@ fn every_scene_holds_every_entity() {
     assert!(scenes.len() >= 25);
     for (at, scene) in &scenes {
         let ids: Vec<&str> = scene.entities.iter().map(|entity| entity.id.as_str()).collect();
-        let expected = ["room", "discs", "robot", "estimate", "sonar", "target", "distances"];
+        let expected =
+            ["room", "discs", "robot", "estimate", "danger", "sonar", "target", "distances"];
         assert_eq!(ids, expected);
         assert!(scene.deletions.is_empty());
         for entity in &scene.entities {
@@ -73,9 +74,29 @@ fn every_scene_holds_every_entity() {
     assert_eq!(last.entities[0].lines[0].points.len(), 8);
     assert_eq!(last.entities[1].cylinders.len(), 1);
     assert_eq!(last.entities[2].cubes.len(), 1);
-    assert_eq!(last.entities[4].triangles.len(), 16);
-    assert_eq!(last.entities[5].cylinders.len(), 1);
-    assert_eq!(last.entities[6].lines[0].points.len(), 6);
+    assert_eq!(last.entities[5].triangles.len(), 16);
+    assert_eq!(last.entities[6].cylinders.len(), 1);
+    assert_eq!(last.entities[7].lines[0].points.len(), 6);
+}
+
+#[test]
+fn danger_is_a_bar_as_high_as_it_is() {
+    for (danger, share) in [(0.0, 0.0), (0.25, 0.25), (1.0, 1.0), (7.0, 1.0)] {
+        let mut events = events(5);
+        for event in &mut events {
+            if let Event::Step(step) = &mut event.value {
+                step.danger = danger;
+            }
+        }
+        let shown = observe(&header(), &events);
+        let (_, scene) = of::<SceneUpdate>(&shown, Topic::Scene).pop().expect("drawn");
+        let gauge = &scene.entities[4];
+        let outline_m = gauge.lines[0].points[1].z - gauge.lines[0].points[0].z;
+        let bar_m = gauge.cubes[0].size.expect("set").z;
+        assert!((bar_m - share * outline_m).abs() < 1e-12, "danger {danger}: {bar_m} m");
+        let middle = gauge.cubes[0].pose.and_then(|pose| pose.position).expect("set");
+        assert!((middle.z - 0.5 * bar_m).abs() < 1e-12, "stands on the floor");
+    }
 }
 
 #[test]
