@@ -6,7 +6,7 @@ use std::path::Path;
 use std::str::FromStr;
 
 use anyhow::{Context as _, Result, anyhow, bail};
-use controller::{Law, Spec};
+use controller::Spec;
 use schemas::{Header, Scenario};
 use toml::{Table, Value};
 
@@ -41,7 +41,9 @@ impl ControllerChoice {
             ControllerChoice::Recorded => {
                 bail!("`recorded` names the outputs in a log; name a controller to run")
             }
-            ControllerChoice::Version { name, overrides, .. } => resolve(name, scenario, overrides),
+            ControllerChoice::Version { name, overrides, .. } => {
+                Ok(Spec::for_scenario(name, scenario, &[overrides])?)
+            }
         }
     }
 
@@ -55,15 +57,6 @@ impl ControllerChoice {
             ControllerChoice::Version { .. } => self.for_scenario(&header.scenario),
         }
     }
-}
-
-fn resolve(name: &str, scenario: &Scenario, overrides: &Table) -> Result<Spec> {
-    let law = controller::versions().iter().find(|version| version.name == name).map(|v| v.law);
-    let of_scenario = match law {
-        Some(Law::Dynamic) => &scenario.controller.dynamic,
-        _ => &scenario.controller.kinematic,
-    };
-    Ok(Spec::resolve(name, &[of_scenario, overrides])?)
 }
 
 impl FromStr for ControllerChoice {

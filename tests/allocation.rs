@@ -28,11 +28,8 @@ fn a_standing_controller_takes_no_memory() {
             let human = simulator::driver(&scenario, scenario.driver, 0).unwrap();
             let simulation = SimulationSetup {
                 sensors,
-                seed: 0,
-                start: SIMULATION_EPOCH,
-                control_period: runner.control_period(),
                 duration: Span::from_seconds(15.0),
-                scenario,
+                ..SimulationSetup::of(scenario, runner.control_period())
             };
             let mut simulation = Simulation::new(simulation, human).unwrap();
             let (mut samples, mut steps) = (0, 0);

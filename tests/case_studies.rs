@@ -5,7 +5,7 @@
 //! are not to be adjusted to what this program does.
 
 use controller::{Runner, Session, Setup, Spec};
-use schemas::{Event, SIMULATION_EPOCH, Scenario, SensorSuite, Span, Step, Truth};
+use schemas::{Event, SIMULATION_EPOCH, Scenario, SensorSuite, Step, Truth};
 use simulator::{Simulation, SimulationSetup};
 
 /// A session as rows: every step with the truth at the same instant.
@@ -20,25 +20,13 @@ fn ride(scenario: &str, controller: &str, overrides: &str) -> Ride {
 
 fn ride_in(scenario: Scenario, controller: &str, overrides: &str) -> Ride {
     let overrides: toml::Table = overrides.parse().expect("TOML");
-    let of_scenario = if controller.ends_with("dynamic") {
-        &scenario.controller.dynamic
-    } else {
-        &scenario.controller.kinematic
-    };
-    let spec = Spec::resolve(controller, &[of_scenario, &overrides]).unwrap();
+    let spec = Spec::for_scenario(controller, &scenario, &[&overrides]).unwrap();
     let sensors = SensorSuite::Exact;
     assert_eq!(scenario.sensors, sensors, "the case studies are point robots with exact rays");
     let setup = Setup { spec, scenario: scenario.clone(), sensors, start: SIMULATION_EPOCH };
     let runner = Runner::new(&setup).unwrap();
     let human = simulator::driver(&scenario, scenario.driver, 0).unwrap();
-    let setup = SimulationSetup {
-        sensors,
-        seed: 0,
-        start: SIMULATION_EPOCH,
-        control_period: runner.control_period(),
-        duration: Span::from_seconds(scenario.duration_s),
-        scenario,
-    };
+    let setup = SimulationSetup::of(scenario, runner.control_period());
     let mut session = Session::new(Simulation::new(setup, human).unwrap(), runner);
     let mut ride = Ride { rows: Vec::new(), truths: Vec::new() };
     loop {

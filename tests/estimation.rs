@@ -31,12 +31,10 @@ fn run(scenario: &Scenario, controller: &str, seed: u64, duration_s: f64) -> Out
     let setup = Setup { spec, scenario: scenario.clone(), sensors, start: SIMULATION_EPOCH };
     let runner = Runner::new(&setup).expect("sound parameters");
     let simulation = SimulationSetup {
-        scenario: scenario.clone(),
         sensors,
         seed,
-        start: SIMULATION_EPOCH,
-        control_period: runner.control_period(),
         duration: Span::from_seconds(duration_s),
+        ..SimulationSetup::of(scenario.clone(), runner.control_period())
     };
     let human = driver(scenario, scenario.driver, seed).expect("it can drive");
     let simulation = Simulation::new(simulation, human).expect("a sound setup");

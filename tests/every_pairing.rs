@@ -21,23 +21,14 @@ fn scenarios() -> Vec<Scenario> {
 
 /// The steps of a session's first seconds, and its control period.
 fn steps(scenario: &Scenario, version: &Version, sensors: SensorSuite) -> (Vec<Step>, Span) {
-    let of_scenario = match version.law {
-        Law::Dynamic => &scenario.controller.dynamic,
-        Law::Kinematic | Law::Human => &scenario.controller.kinematic,
-    };
-    let spec = Spec::resolve(version.name, &[of_scenario]).expect("a scenario's own overrides");
+    let spec = Spec::for_scenario(version.name, scenario, &[]).expect("a scenario's own overrides");
     let setup = Setup { spec, scenario: scenario.clone(), sensors, start: SIMULATION_EPOCH };
     let runner = Runner::new(&setup).expect("a scenario and a version");
     let period = runner.control_period();
     let human = simulator::driver(scenario, scenario.driver, 0).expect("the scenario's own driver");
-    let setup = SimulationSetup {
-        scenario: scenario.clone(),
-        sensors,
-        seed: 0,
-        start: SIMULATION_EPOCH,
-        control_period: period,
-        duration: Span::from_seconds(DURATION_S),
-    };
+    let duration = Span::from_seconds(DURATION_S);
+    let setup =
+        SimulationSetup { sensors, duration, ..SimulationSetup::of(scenario.clone(), period) };
     let simulation = Simulation::new(setup, human).expect("the same scenario");
     let mut session = Session::new(simulation, runner);
     let mut steps = Vec::new();

@@ -3,6 +3,8 @@
 //! In: a version's name and TOML tables of overrides. Out: a checked [`Spec`], or an error that
 //! names the key, the value and what is allowed.
 
+use schemas::Scenario;
+
 use crate::params::{Params, nearest};
 use crate::version::versions;
 
@@ -112,6 +114,24 @@ impl Spec {
         }
         params.check_together()?;
         Ok(Spec { name: version.name.to_owned(), law: version.law, params })
+    }
+
+    /// The version called `name` as `scenario` wants it: the scenario's own overrides for that law
+    /// over the version's defaults, and `overrides` over both.
+    ///
+    /// # Errors
+    /// As [`Spec::resolve`].
+    pub fn for_scenario(
+        name: &str,
+        scenario: &Scenario,
+        overrides: &[&toml::Table],
+    ) -> Result<Spec, SpecError> {
+        let version = versions().iter().find(|version| version.name == name);
+        let own = match version.map(|version| version.law) {
+            Some(Law::Dynamic) => &scenario.controller.dynamic,
+            _ => &scenario.controller.kinematic,
+        };
+        Spec::resolve(name, &[&[own], overrides].concat())
     }
 
     /// Every parameter as TOML, such that [`Spec::from_recorded`] gives back the same bits.

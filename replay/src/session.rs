@@ -38,10 +38,7 @@ pub(crate) fn scenario(name: &str, seconds: f64) -> Scenario {
 
 /// A version with the scenario's own parameters.
 pub(crate) fn spec(name: &str, scenario: &Scenario) -> Spec {
-    let dynamic = name.ends_with("dynamic");
-    let overrides =
-        if dynamic { &scenario.controller.dynamic } else { &scenario.controller.kinematic };
-    Spec::resolve(name, &[overrides]).expect("a known version")
+    Spec::for_scenario(name, scenario, &[]).expect("a known version")
 }
 
 /// Records a session.

@@ -7,8 +7,8 @@
 use core::convert::Infallible;
 
 use schemas::{
-    Command, Event, JoystickSample, Pulled, Sample, Scenario, ScenarioError, SensorSuite, Source,
-    Span, Stamped, Time, Truth,
+    Command, Event, JoystickSample, Pulled, SIMULATION_EPOCH, Sample, Scenario, ScenarioError,
+    SensorSuite, Source, Span, Stamped, Time, Truth,
 };
 
 use crate::SimulatorError;
@@ -42,6 +42,20 @@ pub struct SimulationSetup {
     pub control_period: Span,
     /// How long the session lasts.
     pub duration: Span,
+}
+
+impl SimulationSetup {
+    /// The session as its scenario describes it, with seed 0, at [`SIMULATION_EPOCH`].
+    pub fn of(scenario: Scenario, control_period: Span) -> SimulationSetup {
+        SimulationSetup {
+            sensors: scenario.sensors,
+            seed: 0,
+            start: SIMULATION_EPOCH,
+            control_period,
+            duration: Span::from_seconds(scenario.duration_s),
+            scenario,
+        }
+    }
 }
 
 /// Event streams by their rank at equal instants.
