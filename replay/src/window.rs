@@ -16,6 +16,14 @@ pub struct Window {
     pub to_s: f64,
 }
 
+impl Window {
+    /// Whether an instant of a session that started at `start` belongs to the part.
+    pub fn contains(self, start: Time, at: Time) -> bool {
+        let between = Between::new(self, start);
+        (between.from..=between.to).contains(&at)
+    }
+}
+
 impl Default for Window {
     fn default() -> Self {
         Window { from_s: 0.0, to_s: f64::INFINITY }
@@ -72,8 +80,7 @@ mod tests {
     }
 
     fn inside(events: &[Stamped<Event>]) -> Vec<Stamped<Event>> {
-        let between = Between::new(PART, schemas::SIMULATION_EPOCH);
-        let within = |event: &&Stamped<Event>| (between.from..=between.to).contains(&event.at);
+        let within = |event: &&Stamped<Event>| PART.contains(schemas::SIMULATION_EPOCH, event.at);
         events.iter().filter(within).cloned().collect()
     }
 

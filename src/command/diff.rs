@@ -1,11 +1,13 @@
 //! `tandem diff`: what differs between two runs.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::BufReader;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, Result};
 use clap::Args;
 use compare::{Tolerances, report};
+use schemas::log::{Arm, LogReader};
 
 use crate::cli::Common;
 use crate::status::Status;
@@ -13,23 +15,25 @@ use crate::{interrupt, logs, output};
 
 /// What differs between two runs, field by field, and what differed first.
 ///
-/// Steps and commands of the two logs are paired by time. The first cause is the earliest stage of
+/// The runs are those of two logs, or those that stand side by side in one, as `tandem replay -o`
+/// writes them. Steps and commands are paired by time. The first cause is the earliest stage of
 /// the controller's data flow that differs at the earliest time: input, estimate, distances,
 /// reference, law, sharing, command.
 #[derive(Args)]
 #[command(after_help = "\
-Example:
+Examples:
   tandem replay session.mcap --controller paper-kinematic -o paper.mcap
-  tandem diff session.mcap paper.mcap
+  tandem diff paper.mcap
+  tandem diff one.mcap another.mcap
 
 Exit status: 1 when the runs differ.")]
 pub struct Diff {
     /// One run
     #[arg(value_name = "RUN_A")]
     a: PathBuf,
-    /// The other
+    /// The other [default: the first file holds both, side by side]
     #[arg(value_name = "RUN_B")]
-    b: PathBuf,
+    b: Option<PathBuf>,
     /// TOML file with an absolute and a relative tolerance per field or unit, or the word `practical`
     /// for what nobody would notice [default: exact]
     #[arg(long, value_name = "FILE")]
@@ -47,7 +51,11 @@ impl Diff {
                 Tolerances::from_toml(&text).with_context(|| file.display().to_string())?
             }
         };
-        let (mut a, mut b) = (logs::open(&self.a)?, logs::open(&self.b)?);
+        let (mut a, mut b) = match &self.b {
+            Some(b) => (logs::open(&self.a)?, logs::open(b)?),
+            None => (self.arm(Arm::A)?, self.arm(Arm::B)?),
+        };
+        let name_b = self.b.as_ref().unwrap_or(&self.a);
         let starts = (a.header().run.start, b.header().run.start);
         let diff = compare::diff::<anyhow::Error>(
             &tolerances,
@@ -55,9 +63,15 @@ impl Diff {
                 interrupt::check()?;
                 a.next_event().with_context(|| self.a.display().to_string())
             }),
-            (starts.1, || b.next_event().with_context(|| self.b.display().to_string())),
+            (starts.1, || b.next_event().with_context(|| name_b.display().to_string())),
         )?;
         output::print(common, &diff, report::diff_text)?;
         Ok(if diff.same { Status::Done } else { Status::Differs })
+    }
+    /// One of the runs that stand side by side.
+    fn arm(&self, arm: Arm) -> Result<LogReader<BufReader<File>>> {
+        logs::open(&self.a)?
+            .arm(arm)
+            .with_context(|| format!("{}: a second run is needed, but", self.a.display()))
     }
 }

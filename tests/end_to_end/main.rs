@@ -9,3 +9,4 @@ mod help;
 mod interruption;
 mod plot;
 mod program;
+mod side_by_side;

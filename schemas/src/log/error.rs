@@ -20,6 +20,9 @@ pub enum LogError {
         "an MCAP file, but not a session log: {0}; give a log made by `tandem record` or `tandem replay`"
     )]
     NotASession(String),
+    /// A run was asked for where there is no choice.
+    #[error("it holds one run, not two side by side; `tandem replay -o` writes such a log")]
+    OneRun,
     /// Made by a later version of the program.
     #[error(
         "log format version {found} is newer than {known}, the newest known here; read it with a newer tandem"

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::LogError;
+use super::{Arm, LogError};
 use crate::{FORMAT_VERSION, Header, RunInfo, Scenario, Time};
 
 /// Name of the metadata record.
@@ -13,6 +13,22 @@ pub(super) const PARAMS: &str = "params.toml";
 pub(super) const SCENARIO: &str = "scenario.toml";
 /// Name of the attachment with the viewers' layout.
 pub(super) const LAYOUT: &str = "layout.json";
+
+/// Name of a run's metadata record. B's head is the log's own.
+pub(super) fn run_name(arm: Option<Arm>) -> String {
+    match arm {
+        None | Some(Arm::B) => RUN.to_owned(),
+        Some(Arm::A) => format!("{RUN}.A"),
+    }
+}
+
+/// Name of a run's attachment.
+pub(super) fn attachment_name(arm: Option<Arm>, name: &str) -> String {
+    match arm {
+        None | Some(Arm::B) => name.to_owned(),
+        Some(Arm::A) => format!("A/{name}"),
+    }
+}
 
 /// The metadata record's key-value pairs.
 pub(super) fn to_map(run: &RunInfo) -> BTreeMap<String, String> {
@@ -74,32 +90,53 @@ fn number(map: &BTreeMap<String, String>, key: &str) -> Result<u64, LogError> {
     })
 }
 
-/// What has been found of the head so far.
+/// What has been found so far of a run's head.
 #[derive(Debug, Default)]
 pub(super) struct HeadParts {
-    pub(super) run: Option<RunInfo>,
-    pub(super) params_toml: Option<String>,
-    pub(super) scenario: Option<Scenario>,
+    run: Option<RunInfo>,
+    params_toml: Option<String>,
+    scenario: Option<Scenario>,
 }
 
 impl HeadParts {
-    /// Takes in an attachment, if it is one that the head needs.
-    pub(super) fn attach(&mut self, name: &str, data: &[u8]) -> Result<(), LogError> {
+    /// Takes in a metadata record, if it is that of this run.
+    pub(super) fn describe(
+        &mut self,
+        arm: Option<Arm>,
+        name: &str,
+        map: &BTreeMap<String, String>,
+    ) -> Result<(), LogError> {
+        if name == run_name(arm) {
+            self.run = Some(from_map(map)?);
+        }
+        Ok(())
+    }
+
+    /// Takes in an attachment, if it is one that this run's head needs.
+    pub(super) fn attach(
+        &mut self,
+        arm: Option<Arm>,
+        name: &str,
+        data: &[u8],
+    ) -> Result<(), LogError> {
         let text = || {
             std::str::from_utf8(data)
                 .map_err(|_| LogError::Header(format!("attachment `{name}` is not UTF-8 text")))
         };
-        match name {
-            PARAMS => self.params_toml = Some(text()?.to_owned()),
-            SCENARIO => {
-                let scenario = Scenario::from_toml(text()?);
-                self.scenario = Some(scenario.map_err(|error| {
-                    LogError::Header(format!("attachment `{name}`: {}", first_line(&error)))
-                })?);
-            }
-            _ => {}
+        if name == attachment_name(arm, PARAMS) {
+            self.params_toml = Some(text()?.to_owned());
+        } else if name == attachment_name(arm, SCENARIO) {
+            let scenario = Scenario::from_toml(text()?);
+            self.scenario = Some(scenario.map_err(|error| {
+                LogError::Header(format!("attachment `{name}`: {}", first_line(&error)))
+            })?);
         }
         Ok(())
+    }
+
+    /// Whether there was anything of it.
+    pub(super) fn is_there(&self) -> bool {
+        self.run.is_some()
     }
 
     /// The whole head, or what is missing of it.

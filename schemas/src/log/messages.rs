@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::bytes::Bytes;
 use super::chunk::Chunk;
 use super::records::{Broken, Record, Records, opcode};
-use super::{LogError, Topic};
+use super::{Arm, LogError, Topic};
 use crate::Time;
 
 /// A channel as the file declares it.
@@ -19,6 +19,8 @@ pub(super) struct Channel {
     pub(super) schema: String,
     /// Which of our topics it is, if it is one.
     pub(super) ours: Option<Topic>,
+    /// Which of two runs it belongs to, where there are two.
+    pub(super) arm: Option<Arm>,
     /// Whether it carries what the topic should carry.
     pub(super) as_expected: bool,
 }
@@ -276,8 +278,8 @@ fn parse_channel(body: &[u8]) -> Option<(u16, u16, Channel)> {
     let topic = bytes.text()?.to_owned();
     let encoding = bytes.text()?.to_owned();
     bytes.blob32()?;
-    let ours = Topic::from_name(&topic);
-    let channel = Channel { topic, encoding, schema: String::new(), ours, as_expected: false };
+    let (arm, ours) = Arm::split(&topic).map_or((None, None), |(arm, topic)| (arm, Some(topic)));
+    let channel = Channel { topic, encoding, schema: String::new(), ours, arm, as_expected: false };
     Some((id, schema, channel))
 }
 

@@ -9,24 +9,31 @@
 //! `scenario.toml` and `layout.json`, so that it can be replayed and looked at without anything
 //! but itself.
 //!
+//! Two runs of one session can stand side by side in a file, under `/A` and `/B`: [`write_ab`] makes
+//! such a log, and [`LogReader::arm`] chooses between them.
+//!
 //! [`Event`]: crate::Event
 
+mod arm;
 mod bytes;
 mod chunk;
 mod descriptors;
 mod encode;
 mod error;
+mod file;
 mod header;
 mod info;
 mod messages;
 mod reader;
 mod records;
+mod side_by_side;
 mod topics;
 mod writer;
 
 #[cfg(test)]
 pub(crate) mod tests;
 
+pub use arm::Arm;
 pub use descriptors::DESCRIPTORS;
 #[cfg(test)]
 pub(crate) use descriptors::schema_data;
@@ -34,5 +41,6 @@ pub use encode::Encoder;
 pub use error::LogError;
 pub use info::{ChannelInfo, GapInfo, LogInfo, inspect};
 pub use reader::LogReader;
+pub use side_by_side::{SideBySide, WriteAbError, write_ab};
 pub use topics::{Compared, TOPICS, Topic, TopicInfo};
 pub use writer::{LogWriter, Sink, Summary, WriterOptions, create};

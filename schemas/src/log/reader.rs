@@ -7,16 +7,18 @@ use std::path::Path;
 
 use super::bytes::Bytes;
 use super::encode::decode;
-use super::header::{self, HeadParts};
+use super::header::HeadParts;
 use super::messages::{Item, Message, Messages};
 use super::topics::TOPICS;
-use super::{LogError, Topic};
+use super::{Arm, LogError, Topic};
 use crate::{Event, Header, Stamped, Time};
 
 /// A log whose head has been read: its messages, undecoded.
 pub(super) struct Opened<R> {
     pub(super) messages: Messages<R>,
     pub(super) header: Header,
+    /// The head of A, where two runs stand side by side.
+    header_a: Option<Header>,
     /// The first message, met while looking for the end of the head.
     pending: Option<Result<Option<Message>, LogError>>,
 }
@@ -24,20 +26,22 @@ pub(super) struct Opened<R> {
 impl<R: Read> Opened<R> {
     pub(super) fn new(source: R) -> Result<Self, LogError> {
         let mut messages = Messages::new(source)?;
-        let mut parts = HeadParts::default();
+        let (mut parts, mut parts_a) = (HeadParts::default(), HeadParts::default());
         let first = loop {
             match messages.next() {
                 Ok(Some(Item::Message(message))) => break Ok(Some(message)),
                 Ok(Some(Item::Metadata)) => {
-                    if let Some(map) = parse_metadata(messages.body(), header::RUN) {
-                        parts.run = Some(header::from_map(&map)?);
+                    if let Some((name, map)) = parse_metadata(messages.body()) {
+                        parts.describe(None, name, &map)?;
+                        parts_a.describe(Some(Arm::A), name, &map)?;
                     }
                 }
                 Ok(Some(Item::Attachment)) => {
                     if let Some((name, data)) =
                         parse_attachment(messages.body(), messages.record_byte())?
                     {
-                        parts.attach(name, data)?;
+                        parts.attach(None, name, data)?;
+                        parts_a.attach(Some(Arm::A), name, data)?;
                     }
                 }
                 Ok(None) => break Ok(None),
@@ -49,8 +53,9 @@ impl<R: Read> Opened<R> {
             // What cut the head short explains more than what is therefore missing.
             Err(missing) => return Err(first.err().unwrap_or(missing)),
         };
+        let header_a = if parts_a.is_there() { Some(parts_a.complete()?) } else { None };
         messages.start = header.run.start;
-        Ok(Opened { messages, header, pending: Some(first) })
+        Ok(Opened { messages, header, header_a, pending: Some(first) })
     }
 
     /// The next message of any topic; `None` at the end, and after an error.
@@ -90,6 +95,7 @@ impl<R: Read> Opened<R> {
 pub struct LogReader<R> {
     opened: Opened<R>,
     wanted: [bool; TOPICS.len()],
+    arm: Arm,
     last: Option<Time>,
     failed: bool,
 }
@@ -112,7 +118,25 @@ impl<R: Read> LogReader<R> {
     /// As [`LogReader::open`].
     pub fn new(source: R) -> Result<Self, LogError> {
         let wanted = TOPICS.map(|info| !info.view);
-        Ok(LogReader { opened: Opened::new(source)?, wanted, last: None, failed: false })
+        let opened = Opened::new(source)?;
+        Ok(LogReader { opened, wanted, arm: Arm::B, last: None, failed: false })
+    }
+
+    /// Whether two runs stand side by side in the log.
+    pub fn has_arms(&self) -> bool {
+        self.opened.header_a.is_some()
+    }
+
+    /// Reads this one of two runs that stand side by side; without being told, B is read.
+    ///
+    /// # Errors
+    /// The log holds one run only.
+    pub fn arm(mut self, arm: Arm) -> Result<Self, LogError> {
+        if !self.has_arms() {
+            return Err(LogError::OneRun);
+        }
+        self.arm = arm;
+        Ok(self)
     }
 
     /// Gives the events of these topics only; the others are passed over undecoded.
@@ -124,7 +148,10 @@ impl<R: Read> LogReader<R> {
 
     /// What stands at the head of the log.
     pub fn header(&self) -> &Header {
-        &self.opened.header
+        match (self.arm, &self.opened.header_a) {
+            (Arm::A, Some(header)) => header,
+            _ => &self.opened.header,
+        }
     }
 
     /// The next event; `None` at the end of the log, and after an error.
@@ -142,7 +169,9 @@ impl<R: Read> LogReader<R> {
 
     fn advance(&mut self) -> Result<Option<Stamped<Event>>, LogError> {
         while let Some(message) = self.opened.next()? {
-            let topic = self.opened.messages.channel(message.channel).and_then(|c| c.ours);
+            let channel = self.opened.messages.channel(message.channel);
+            let of_arm = channel.filter(|channel| channel.arm.unwrap_or(Arm::B) == self.arm);
+            let topic = of_arm.and_then(|channel| channel.ours);
             let Some(topic) = topic.filter(|topic| self.wanted[*topic as usize]) else { continue };
             if let Some(previous) = self.last.filter(|last| message.at <= *last) {
                 return Err(LogError::Order { topic: topic.name(), at: message.at, previous });
@@ -170,18 +199,16 @@ impl<R: Read> Iterator for LogReader<R> {
     }
 }
 
-/// The map in a metadata record, if the record has this name.
-fn parse_metadata(body: &[u8], wanted: &str) -> Option<BTreeMap<String, String>> {
+/// Name and map of a metadata record; `None` where it does not parse, as ours always do.
+fn parse_metadata(body: &[u8]) -> Option<(&str, BTreeMap<String, String>)> {
     let mut bytes = Bytes(body);
-    if bytes.text()? != wanted {
-        return None;
-    }
+    let name = bytes.text()?;
     let mut pairs = Bytes(bytes.blob32()?);
     let mut map = BTreeMap::new();
     while !pairs.0.is_empty() {
         map.insert(pairs.text()?.to_owned(), pairs.text()?.to_owned());
     }
-    Some(map)
+    Some((name, map))
 }
 
 /// Name and content of an attachment record; `None` where it does not parse, as ours always do.

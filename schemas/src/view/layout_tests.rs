@@ -7,11 +7,11 @@ use prost_types::FileDescriptorSet;
 use prost_types::field_descriptor_proto::Type;
 use serde_json::Value;
 
-use super::LAYOUT;
-use crate::log::{TOPICS, Topic, schema_data};
+use super::{LAYOUT, LAYOUT_AB};
+use crate::log::{Arm, TOPICS, Topic, schema_data};
 
-fn layout() -> Value {
-    serde_json::from_str(LAYOUT).expect("JSON")
+fn layouts() -> [Value; 2] {
+    [LAYOUT, LAYOUT_AB].map(|layout| serde_json::from_str(layout).expect("JSON"))
 }
 
 /// Every string under a key that holds a message path or a topic.
@@ -52,8 +52,8 @@ fn panels(tree: &Value, found: &mut BTreeSet<String>) {
 /// Whether a path like `/step.u_h[0]` leads to a field of the topic's message.
 fn exists(path: &str) -> bool {
     let mut parts = path.split('.');
-    let topic = parts.next().and_then(Topic::from_name);
-    let Some(topic) = topic else { return false };
+    let topic = parts.next().and_then(Arm::split);
+    let Some((_, topic)) = topic else { return false };
     let data = schema_data(topic);
     let set = FileDescriptorSet::decode(data.as_slice()).expect("a descriptor set");
     let mut message = format!(".{}", topic.info().schema);
@@ -75,47 +75,76 @@ fn exists(path: &str) -> bool {
 
 #[test]
 fn the_form_is_what_viewers_accept() {
-    let layout = layout();
-    for key in ["configById", "globalVariables", "userNodes", "layout"] {
-        assert!(layout.get(key).is_some(), "{key}");
-    }
-    assert_eq!(layout["playbackConfig"]["speed"], 1);
-    assert!(layout.get("version").is_none(), "a version that it does not know blocks a viewer");
+    for layout in layouts() {
+        for key in ["configById", "globalVariables", "userNodes", "layout"] {
+            assert!(layout.get(key).is_some(), "{key}");
+        }
+        assert_eq!(layout["playbackConfig"]["speed"], 1);
+        assert!(layout.get("version").is_none(), "a version that it does not know blocks a viewer");
 
-    let mut shown = BTreeSet::new();
-    panels(&layout["layout"], &mut shown);
-    let configured: BTreeSet<String> =
-        layout["configById"].as_object().expect("a map").keys().cloned().collect();
-    assert_eq!(shown, configured);
-    let kinds = ["3D", "Plot", "StateTransitions", "RawMessages", "RosOut"];
-    for kind in kinds {
-        assert!(shown.iter().any(|id| id.starts_with(&format!("{kind}!"))), "no {kind} panel");
-    }
-    for id in &shown {
-        assert!(kinds.contains(&id.split('!').next().unwrap_or("")), "{id}: an unknown kind");
+        let mut shown = BTreeSet::new();
+        panels(&layout["layout"], &mut shown);
+        let configured: BTreeSet<String> =
+            layout["configById"].as_object().expect("a map").keys().cloned().collect();
+        assert_eq!(shown, configured);
+        let kinds = ["3D", "Plot", "StateTransitions", "RawMessages", "RosOut"];
+        for kind in kinds {
+            assert!(shown.iter().any(|id| id.starts_with(&format!("{kind}!"))), "no {kind} panel");
+        }
+        for id in &shown {
+            assert!(kinds.contains(&id.split('!').next().unwrap_or("")), "{id}: an unknown kind");
+        }
     }
 }
 
 #[test]
 fn every_path_leads_somewhere() {
-    let mut found = Vec::new();
-    paths(&layout()["configById"], &mut found);
-    assert!(found.len() > 20, "{}", found.len());
-    for path in &found {
-        assert!(exists(path), "{path} leads nowhere");
+    for (layout, arms) in layouts().into_iter().zip([&[""][..], &["/A", "/B"]]) {
+        let mut found = Vec::new();
+        paths(&layout["configById"], &mut found);
+        assert!(found.len() > 20, "{}", found.len());
+        for path in &found {
+            assert!(exists(path), "{path} leads nowhere");
+            // A topic of one run is none of a log of two, and the other way about.
+            let topic = path.split_once('.').map_or(path.as_str(), |(topic, _)| topic);
+            let (arm, _) = Arm::split(topic).expect("it exists");
+            let prefix = arm.map_or(String::new(), |arm| format!("/{}", arm.name()));
+            assert!(arms.contains(&prefix.as_str()), "{path}");
+        }
     }
     // The walk can tell.
-    for wrong in ["/nosuch", "/step.nosuch", "/step.pose.nosuch", "step.k"] {
+    for wrong in ["/nosuch", "/step.nosuch", "/step.pose.nosuch", "step.k", "/C/step.k"] {
         assert!(!exists(wrong), "{wrong}");
     }
-    assert!(exists("/step.pose.x_m") && exists("/step.u_h[0]"));
+    assert!(exists("/step.pose.x_m") && exists("/step.u_h[0]") && exists("/A/step.u_h[0]"));
+}
+
+#[test]
+fn two_runs_are_shown_in_the_same_panels() {
+    let [_, layout] = layouts();
+    for (id, panel) in layout["configById"].as_object().expect("a map") {
+        let mut found = Vec::new();
+        paths(panel, &mut found);
+        let of = |arm: &str| {
+            let stripped = found.iter().filter_map(|path| path.strip_prefix(arm));
+            stripped.map(str::to_owned).collect::<BTreeSet<_>>()
+        };
+        if !(id.starts_with("RawMessages!") || id.starts_with("RosOut!")) {
+            assert_eq!(of("/A"), of("/B"), "{id}");
+        }
+    }
 }
 
 #[test]
 fn what_viewers_need_is_visible_in_the_scene() {
-    let topics = &layout()["configById"]["3D!scene"]["topics"];
-    for topic in [Topic::Scene, Topic::Tf] {
-        assert_eq!(topics[topic.name()]["visible"], true, "{topic:?}");
+    for (layout, arms) in layouts().iter().zip([&[""][..], &["/A", "/B"]]) {
+        let topics = &layout["configById"]["3D!scene"]["topics"];
+        for topic in [Topic::Scene, Topic::Tf] {
+            for arm in arms {
+                let name = format!("{arm}{}", topic.name());
+                assert_eq!(topics[&name]["visible"], true, "{name}");
+            }
+        }
     }
     assert!(TOPICS.iter().filter(|info| info.view).count() >= 5);
 }

@@ -16,15 +16,18 @@ mod tests;
 
 use prost::Message;
 
-use crate::log::Topic;
+use crate::log::{Arm, Topic};
 use crate::{
     Event, Header, NS_PER_S, Pose, SONARS, Sample, SonarEcho, Span, Stamped, Step, Time, Truth,
 };
+use frames::Frames;
 use journal::Journal;
 use scene::Stage;
 
 /// The layout for Foxglove-compatible viewers that is attached to every log.
 pub const LAYOUT: &str = include_str!("layout.json");
+/// The same for logs in which two runs stand side by side.
+pub const LAYOUT_AB: &str = include_str!("layout_ab.json");
 
 /// From one drawing to the next, log time.
 const PERIOD: Span = Span(NS_PER_S / 10);
@@ -74,6 +77,7 @@ impl Seen {
 /// Follows a session and draws it.
 #[derive(Debug)]
 pub struct Picture {
+    frames: Frames,
     stage: Stage,
     seen: Seen,
     journal: Journal,
@@ -83,8 +87,14 @@ pub struct Picture {
 impl Picture {
     /// The stage is set; nothing has been seen yet.
     pub fn new(header: &Header) -> Picture {
+        Picture::of(header, None)
+    }
+
+    /// The same for one of two runs that are drawn into one world.
+    pub fn of(header: &Header, arm: Option<Arm>) -> Picture {
         Picture {
-            stage: Stage::new(&header.scenario),
+            frames: Frames::of(arm),
+            stage: Stage::new(&header.scenario, arm),
             seen: Seen::default(),
             journal: Journal::default(),
             due: None,
@@ -128,9 +138,9 @@ impl Picture {
 
     fn draw(&self, at: Time, shown: &mut Vec<Shown>) {
         let (robot, estimate) = (self.seen.robot(), self.seen.estimate());
-        shown.push(Shown::new(Topic::Tf, at, &frames::transforms(at, robot, estimate)));
+        shown.push(Shown::new(Topic::Tf, at, &self.frames.transforms(at, robot, estimate)));
         if let Some(pose) = estimate {
-            let pose = frames::pose_in(frames::ODOM, at, &pose);
+            let pose = frames::pose_in(self.frames.odom, at, &pose);
             shown.push(Shown::new(Topic::Pose, at, &pose));
         }
         if let Some(pose) = self.seen.truth() {

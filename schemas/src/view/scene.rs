@@ -6,16 +6,17 @@
 use foxglove::messages::line_primitive::Type::{LineList, LineLoop, LineStrip};
 use foxglove::messages::{
     ArrowPrimitive, Color, CubePrimitive, CylinderPrimitive, LinePrimitive, SceneEntity,
-    SceneUpdate, TriangleListPrimitive, Vector3,
+    SceneUpdate, TextPrimitive, TriangleListPrimitive, Vector3,
 };
 
 use super::Seen;
-use super::frames::{BASE, ESTIMATE, ODOM, WORLD};
+use super::frames::{Frames, WORLD};
 use super::journal::Driving;
 use super::primitives::{
     arrow, colour, cylinder, identity, lines, point, polygon, pose, timestamp,
 };
 use super::room::{Segment, walls};
+use crate::log::Arm;
 use crate::{Disc, Footprint, Pose, SONAR_REACH_M, SONARS, Scenario, SonarEcho, Step, Time};
 
 /// Age at which a reading has faded away, seconds: three sweeps of all sonars.
@@ -37,21 +38,26 @@ pub(super) struct Stage {
     footprint: Footprint,
     /// Half the opening of a sonar's cone.
     half_cone_rad: f64,
+    frames: Frames,
+    arm: Option<Arm>,
 }
 
 impl Stage {
-    pub(super) fn new(scenario: &Scenario) -> Stage {
+    pub(super) fn new(scenario: &Scenario, arm: Option<Arm>) -> Stage {
         let obstacles = scenario.world.obstacles.iter();
         Stage {
             walls: walls(scenario),
             obstacles: obstacles.map(|obstacle| obstacle.corners_m.clone()).collect(),
             footprint: scenario.robot.footprint,
             half_cone_rad: half_cone_deg(scenario).to_radians(),
+            frames: Frames::of(arm),
+            arm,
         }
     }
 
     /// Everything there is to see at `at`.
     pub(super) fn scene(&self, at: Time, seen: &Seen) -> SceneUpdate {
+        let odom = self.frames.odom;
         let mut entities = vec![
             self.room(),
             discs(seen.truth.as_ref().map_or(&[], |truth| &truth.discs)),
@@ -59,8 +65,10 @@ impl Stage {
             self.estimate(seen),
             self.danger(seen),
             self.sonar(at, &seen.sonar),
-            seen.step.as_deref().map_or_else(|| entity(ODOM, "target"), target),
-            seen.step.as_deref().map_or_else(|| entity(ODOM, "distances"), distances),
+            seen.step.as_deref().map_or_else(|| entity(odom, "target"), |step| target(step, odom)),
+            seen.step
+                .as_deref()
+                .map_or_else(|| entity(odom, "distances"), |step| distances(step, odom)),
         ];
         for entity in &mut entities {
             entity.timestamp = Some(timestamp(at));
@@ -81,11 +89,14 @@ impl Stage {
     }
 
     fn robot(&self, seen: &Seen) -> SceneEntity {
-        let robot = entity(BASE, "robot");
+        let robot = entity(self.frames.base, "robot");
         if seen.robot().is_none() {
             return robot;
         }
-        let colour = driver_colour(seen.step.as_deref());
+        let robot = SceneEntity { texts: self.label(), ..robot };
+        // Of two robots the first is drawn fainter: the second is the one in question.
+        let strength = if self.arm == Some(Arm::A) { 0.4 } else { 1.0 };
+        let colour = colour::faded(driver_colour(seen.step.as_deref()), strength);
         let nose = Pose { x_m: 0.0, y_m: 0.0, theta_rad: 0.0 };
         let arrows = vec![arrow(&nose, BODY_HEIGHT_M, 0.5 * self.footprint.length_m + 0.2, colour)];
         if self.is_point() {
@@ -107,7 +118,7 @@ impl Stage {
     /// The body where the robot believes to be, as an outline; nothing where the truth is not known
     /// and the body itself stands there.
     fn estimate(&self, seen: &Seen) -> SceneEntity {
-        let estimate = entity(ESTIMATE, "estimate");
+        let estimate = entity(self.frames.estimate, "estimate");
         if seen.truth().is_none() || seen.estimate().is_none() {
             return estimate;
         }
@@ -125,7 +136,7 @@ impl Stage {
     /// How near danger is, the graded signal to the person, as a bar that grows behind the robot in
     /// an outline as high as danger 1; nothing where it is not known.
     fn danger(&self, seen: &Seen) -> SceneEntity {
-        let gauge = entity(BASE, "danger");
+        let gauge = entity(self.frames.base, "danger");
         let step = seen.step.as_deref();
         let danger = step.map_or(f64::NAN, |step| step.danger.clamp(0.0, 1.0));
         if seen.robot().is_none() || !danger.is_finite() {
@@ -173,7 +184,20 @@ impl Stage {
                 ..TriangleListPrimitive::default()
             })
         });
-        SceneEntity { triangles: cones.collect(), ..entity(BASE, "sonar") }
+        SceneEntity { triangles: cones.collect(), ..entity(self.frames.base, "sonar") }
+    }
+
+    /// Which robot it is, where there are two.
+    fn label(&self) -> Vec<TextPrimitive> {
+        let label = self.arm.map(|arm| TextPrimitive {
+            pose: Some(pose(&Pose::default(), BODY_HEIGHT_M + 0.1)),
+            billboard: true,
+            font_size: 0.3,
+            scale_invariant: false,
+            color: Some(colour::SOLID),
+            text: arm.name().to_owned(),
+        });
+        label.into_iter().collect()
     }
 
     fn is_point(&self) -> bool {
@@ -211,8 +235,8 @@ fn discs(discs: &[Disc]) -> SceneEntity {
 }
 
 /// The target `p_d`, its velocity, and the displacement from the robot's estimate to it.
-fn target(step: &Step) -> SceneEntity {
-    let target = entity(ODOM, "target");
+fn target(step: &Step, odom: &str) -> SceneEntity {
+    let target = entity(odom, "target");
     let place = [step.target_x_m, step.target_y_m];
     if !finite(place) {
         return target;
@@ -235,8 +259,8 @@ fn target(step: &Step) -> SceneEntity {
 }
 
 /// d1 along e1, d2l to its left and d2r to its right, from the robot's estimate.
-fn distances(step: &Step) -> SceneEntity {
-    let distances = entity(ODOM, "distances");
+fn distances(step: &Step, odom: &str) -> SceneEntity {
+    let distances = entity(odom, "distances");
     if !(step.pose.is_finite() && step.psi_rad.is_finite()) {
         return distances;
     }

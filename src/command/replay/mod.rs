@@ -2,11 +2,13 @@
 
 mod ladder;
 mod result;
+mod side_by_side;
 
+use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::fs::File;
-use std::io::{BufReader, BufWriter};
+use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
@@ -19,7 +21,6 @@ use replay::{
     Fault, Faults, Gains, Mode, Outcome, Person, PlantEstimate, Reaction, Recording, Window,
 };
 use result::{Plant, Run};
-use schemas::log::{LogWriter, WriterOptions};
 use schemas::{Event, Header, RunInfo, Span, Stamped};
 use serde::Serialize;
 
@@ -43,6 +44,7 @@ Examples:
   tandem replay logs/*.mcap --controller paper-kinematic --mode closed -o replayed/
   tandem replay logs/*.mcap --controller paper-kinematic --mode closed --human ladder
   tandem replay session.mcap --mode closed --human fitted --plant identified --floor
+  tandem replay session.mcap --mode closed --controller paper-kinematic -o both.mcap
   tandem replay session.mcap --mode closed --from 12 --to 20
   tandem replay session.mcap --mode closed --fault sonar-dead=3 --fault latency=0.1
 
@@ -77,7 +79,8 @@ pub struct Replay {
     /// Seed of what is random about the faults
     #[arg(long, default_value_t = 0, value_name = "N")]
     pub fault_seed: u64,
-    /// Write the replayed session: a file for one log, a folder for several
+    /// Write recording and replay side by side, as /A/* and /B/*, with a layout for viewers: a file for
+    /// one log, a folder for several
     #[arg(long, short, value_name = "FILE|DIR")]
     pub output: Option<PathBuf>,
 }
@@ -196,7 +199,7 @@ impl Replay {
         {
             bail!("--from {from} does not come before --to {to}");
         }
-        self.guard_outputs(several)?;
+        self.guard_outputs(common, several)?;
         let results = fleet::each(common, &self.logs, "replaying", |log| {
             self.replay_log(common, log, &modes, several)
         });
@@ -216,6 +219,11 @@ impl Replay {
                     Run::failed(log, *mode, self.controller.label(), status, format!("{error:#}"))
                 })),
             }
+        }
+        if let Some(output) = &self.output
+            && runs.iter().any(|run| run.output.is_some())
+        {
+            side_by_side::write_layout(&side_by_side::layout_beside(output, several))?;
         }
         Ladder::rank(&mut ladders);
         let status = runs.iter().fold(Status::Done, |worst, run| worst.worse(run.status));
@@ -272,8 +280,7 @@ impl Replay {
             None
         };
         let reaction = recording.as_ref().map(|recording| Reaction::of(recording));
-        let window =
-            Window { from_s: self.from.unwrap_or(0.0), to_s: self.to.unwrap_or(f64::INFINITY) };
+        let window = self.window();
         let mut runs = Vec::new();
         for mode in modes {
             let began = Instant::now();
@@ -299,9 +306,14 @@ impl Replay {
         Ok((runs, reaction))
     }
 
+    fn window(&self) -> Window {
+        Window { from_s: self.from.unwrap_or(0.0), to_s: self.to.unwrap_or(f64::INFINITY) }
+    }
+
     /// Refuses two logs of one name for one folder: one result would overwrite the other.
-    fn guard_outputs(&self, several: bool) -> Result<()> {
+    fn guard_outputs(&self, common: &Common, several: bool) -> Result<()> {
         let Some(output) = &self.output else { return Ok(()) };
+        side_by_side::guard_layout(&side_by_side::layout_beside(output, several), common.force)?;
         let mut seen = BTreeMap::new();
         for log in &self.logs {
             let path = logs::output_for(log, self.controller.label(), output, several);
@@ -325,36 +337,52 @@ impl Replay {
         mut replay: replay::Replay<BufReader<File>>,
         header: &Header,
     ) -> Result<Run> {
-        let mut writer = match &self.output {
+        let output = match &self.output {
             None => None,
             Some(output) => {
                 let path = self.output_for(log, &spec.name, mode, output, several);
                 logs::guard_input(&path, log)?;
                 logs::guard(&path, common.force)?;
-                let header = replay_header(header, spec, mode, logs::hash_file(log)?);
-                Some(Writing::begin(path, &header)?)
+                Some((path, replay_header(header, spec, mode, logs::hash_file(log)?)))
             }
         };
         // Metrics twice: over the whole run, and as far as the recorded person is to be believed.
         let closed = matches!(mode, Mode::Closed(_));
         let mut meters = closed.then(|| [Meter::new(header), Meter::new(header)]);
-        let mut interrupted = false;
-        while let Some(event) = arm::caught(|| replay.next_event())? {
-            if let Some([whole, until_horizon]) = &mut meters {
-                whole.observe(&event);
+        let interrupted = Cell::new(false);
+        let mut next = || -> Result<Option<Stamped<Event>>> {
+            interrupted.set(interrupt::pressed());
+            if interrupted.get() {
+                return Ok(None);
+            }
+            let event = arm::caught(|| replay.next_event())?;
+            if let (Some([whole, until_horizon]), Some(event)) = (&mut meters, &event) {
+                whole.observe(event);
                 if replay.horizon().is_some_and(|horizon| horizon.first_s().is_none()) {
-                    until_horizon.observe(&event);
+                    until_horizon.observe(event);
                 }
             }
-            if let Some(writer) = &mut writer {
-                writer.write(&event)?;
+            Ok(event)
+        };
+        let written = match output {
+            None => {
+                while next()?.is_some() {}
+                None
             }
-            if interrupt::pressed() {
-                interrupted = true;
-                break;
+            Some((path, replayed)) => {
+                let mut recorded = logs::open(log)?;
+                let part = self.window();
+                // Damage ends the recording; the replay meets it too, and reports it.
+                let recorded = || {
+                    let inside = |event: &Stamped<Event>| part.contains(header.run.start, event.at);
+                    let events = std::iter::from_fn(|| recorded.next_event().ok().flatten());
+                    Ok(events.take_while(|_| !interrupted.get()).find(inside))
+                };
+                side_by_side::write(&path, [header, &replayed], recorded, &mut next)?;
+                Some(path)
             }
-        }
-        let written = writer.map(Writing::finish).transpose()?;
+        };
+        let interrupted = interrupted.get();
         let outcome = match replay.finish().with_context(|| log.display().to_string()) {
             Ok(outcome) => outcome,
             Err(error) => {
@@ -448,27 +476,4 @@ pub fn replay_header(
     };
     let period = Span::from_seconds(spec.params.control_period_s);
     logs::header(spec, recorded.scenario.clone(), recorded.run.start, period, run)
-}
-
-/// A log being written, that knows its name when something goes wrong.
-pub struct Writing {
-    path: PathBuf,
-    log: LogWriter<BufWriter<File>>,
-}
-
-impl Writing {
-    pub fn begin(path: PathBuf, header: &Header) -> Result<Writing> {
-        let log = schemas::log::create(&path, header, &WriterOptions::offline())
-            .with_context(|| path.display().to_string())?;
-        Ok(Writing { path, log })
-    }
-
-    pub fn write(&mut self, event: &Stamped<Event>) -> Result<()> {
-        self.log.write(event).with_context(|| self.path.display().to_string())
-    }
-
-    pub fn finish(self) -> Result<PathBuf> {
-        self.log.finish().with_context(|| self.path.display().to_string())?;
-        Ok(self.path)
-    }
 }

@@ -232,7 +232,7 @@ impl Run {
             let _ = writeln!(text, "  speed        {factor:.0} × real time");
         }
         if let Some(output) = &self.output {
-            let _ = writeln!(text, "  written to   {output}");
+            let _ = writeln!(text, "  written to   {output} (A recorded, B replayed)");
         }
         text
     }

@@ -5,4 +5,5 @@ mod damage;
 mod foreign;
 mod round_trip;
 pub(crate) mod session;
+mod side_by_side;
 mod streaming;

@@ -1,0 +1,48 @@
+//! Recording and replay in one log, and the layout that shows both.
+
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, Result, anyhow, bail};
+use schemas::log::{WriteAbError, WriterOptions, write_ab};
+use schemas::view::LAYOUT_AB;
+use schemas::{Event, Header, Stamped};
+
+/// Writes two runs, A and B, side by side into a file.
+pub(super) fn write(
+    path: &Path,
+    headers: [&Header; 2],
+    a: impl FnMut() -> Result<Option<Stamped<Event>>>,
+    b: impl FnMut() -> Result<Option<Stamped<Event>>>,
+) -> Result<()> {
+    let name = || path.display().to_string();
+    let file = BufWriter::new(File::create(path).with_context(name)?);
+    match write_ab(file, headers, &WriterOptions::offline(), a, b) {
+        Ok(_) => Ok(()),
+        Err(WriteAbError::Run(error)) => Err(error),
+        Err(WriteAbError::Log(error)) => Err(anyhow!(error)).with_context(name),
+    }
+}
+
+/// Where the layout goes: beside the one file, or once into the folder.
+pub(super) fn layout_beside(output: &Path, several: bool) -> PathBuf {
+    if several || output.is_dir() {
+        output.join("layout.json")
+    } else {
+        output.with_extension("layout.json")
+    }
+}
+
+/// Refuses to write over a layout that is another one.
+pub(super) fn guard_layout(path: &Path, force: bool) -> Result<()> {
+    if !force && path.exists() && fs::read(path).ok().as_deref() != Some(LAYOUT_AB.as_bytes()) {
+        bail!("{} exists; choose another name or pass --force to overwrite it", path.display());
+    }
+    Ok(())
+}
+
+/// Writes the layout.
+pub(super) fn write_layout(path: &Path) -> Result<()> {
+    fs::write(path, LAYOUT_AB).with_context(|| path.display().to_string())
+}
