@@ -26,8 +26,8 @@ const RESTING_LIFE_S: f64 = 60.0;
 /// An unconfirmed one this long, seconds: a sonar fires again after 0.32 s.
 const UNCONFIRMED_LIFE_S: f64 = 0.4;
 
-/// Firings no farther apart than this, seconds, may hear each other and do not confirm each other.
-const OTHER_FIRING_S: f64 = 0.05;
+/// Firings no farther apart than this, nanoseconds, may hear each other and do not confirm each other.
+const OTHER_FIRING_NS: u64 = 50_000_000;
 
 /// A point confirms an echo inside its cone and this much beyond, degrees.
 const CONFIRM_HALF_CONE_DEG: f64 = 13.0;
@@ -49,6 +49,11 @@ const CARVE_HALF_CONE_DEG: f64 = 8.0;
 /// free space.
 const CARVE_SHARE: f64 = 0.95;
 const CARVE_SHORT_M: f64 = 0.05;
+
+/// The least cosine of the angle between an echo's axis and one of its arc's points, which are up to
+/// 10° off; and a slack for rounding, metres. For telling quickly what cannot be near the arc.
+const ARC_LEAST_COSINE: f64 = 0.98;
+const HAIR_M: f64 = 1e-6;
 
 /// How many echoes must have looked through a point before it goes.
 const CARVE_HITS: u8 = 2;
@@ -108,6 +113,8 @@ impl Point {
 #[derive(Clone, Debug)]
 pub(super) struct Points {
     kept: Vec<Point>,
+    /// Places in `kept` of the points that the echo in hand can bear on.
+    met: Vec<u16>,
     confirm_slope: f64,
     carve_slope: f64,
 }
@@ -120,6 +127,7 @@ impl Points {
     pub(super) fn new() -> Points {
         Points {
             kept: Vec::with_capacity(Points::CAPACITY),
+            met: Vec::with_capacity(Points::CAPACITY),
             confirm_slope: libm::tan(CONFIRM_HALF_CONE_DEG.to_radians()),
             carve_slope: libm::tan(CARVE_HALF_CONE_DEG.to_radians()),
         }
@@ -135,8 +143,13 @@ impl Points {
 
     /// Takes an echo; true if it is confirmed.
     pub(super) fn hear(&mut self, echo: &PlacedEcho) -> bool {
-        let arc = Arc::of(echo, self.confirm_slope);
-        let confirmed = self.kept.iter().any(|point| arc.confirms(point, &arc.sight(point)));
+        let arc = Arc::of(echo, self.confirm_slope, self.carve_slope);
+        self.meet(&arc);
+        let confirms = |met: &u16| {
+            let point = &self.kept[usize::from(*met)];
+            arc.confirms(point, &arc.sight(point.at_m))
+        };
+        let confirmed = self.met.iter().any(confirms);
         let mut since = [echo.fired; ARC_POINTS];
         if confirmed {
             self.date_back(&arc, &mut since);
@@ -149,43 +162,68 @@ impl Points {
         confirmed
     }
 
+    /// Collects, in order, the points that an echo can bear on at all: few of those there are.
+    fn meet(&mut self, arc: &Arc<'_>) {
+        // Written so that every point costs the same, without a branch.
+        self.met.resize(self.kept.len(), 0);
+        let mut count = 0;
+        for (index, point) in self.kept.iter().enumerate() {
+            self.met[count] = index as u16;
+            count += usize::from(arc.concerns(&arc.sight(point.at_m)));
+        }
+        self.met.truncate(count);
+    }
+
     /// Since when there is something at each of an echo's points: as long as at the points that it
     /// repeats.
     fn date_back(&self, arc: &Arc<'_>, since: &mut [Time; ARC_POINTS]) {
-        for point in self.kept.iter().filter(|point| point.fired < arc.echo.fired) {
+        for point in self.met.iter().map(|met| &self.kept[usize::from(*met)]) {
+            if point.fired >= arc.echo.fired {
+                continue;
+            }
             for (at_m, since) in arc.echo.arc_m.iter().zip(since.iter_mut()) {
-                if arc.repeats_at(point, *at_m) && point.since < *since {
+                if point.since < *since && arc.repeats_at(point, *at_m) {
                     *since = point.since;
                 }
             }
         }
     }
 
-    /// Lets a confirmed echo bear on every point.
+    /// Lets a confirmed echo bear on every point that it meets.
     fn weigh(&mut self, arc: &Arc<'_>) {
-        let carve_below_m = CARVE_SHARE * arc.echo.range_m - CARVE_SHORT_M;
-        let carve_below_m2 = if carve_below_m > 0.0 { carve_below_m * carve_below_m } else { 0.0 };
-        let mut index = 0;
-        while index < self.kept.len() {
-            let point = &mut self.kept[index];
+        let mut gone = 0;
+        for index in 0..self.met.len() {
+            let met = self.met[index];
+            let point = &mut self.kept[usize::from(met)];
             let older = point.fired < arc.echo.fired;
-            let sight = arc.sight(point);
-            let mut gone = false;
-            if older
-                && sight.distance_m2 < carve_below_m2
-                && sight.aside_m <= self.carve_slope * sight.forward_m
-            {
+            let sight = arc.sight(point.at_m);
+            let mut goes = false;
+            if older && arc.carves(&sight) {
                 point.carved += 1;
-                gone = point.carved >= CARVE_HITS;
+                goes = point.carved >= CARVE_HITS;
             } else if arc.confirms(point, &sight) {
                 point.confirmed = true;
-                gone = older && arc.repeats(point);
+                goes = older && arc.repeats(point);
             }
-            if gone {
-                self.kept.swap_remove(index);
-            } else {
-                index += 1;
+            self.met[gone] = met;
+            gone += usize::from(goes);
+        }
+        self.met.truncate(gone);
+        self.drop_met();
+    }
+
+    /// Forgets the points collected. The last one kept takes the place of each.
+    fn drop_met(&mut self) {
+        let mut gone = self.met.as_slice();
+        while let [first, rest @ ..] = gone {
+            gone = rest;
+            while let [rest @ .., last] = gone
+                && usize::from(*last) + 1 == self.kept.len()
+            {
+                self.kept.pop();
+                gone = rest;
             }
+            self.kept.swap_remove(usize::from(*first));
         }
     }
 
@@ -227,7 +265,13 @@ struct Arc<'a> {
     /// Squared distances between which a point lies on the arc, metres².
     on_arc_m2: [f64; 2],
     confirm_slope: f64,
+    carve_slope: f64,
+    /// Squared distance up to which the echo has looked through a point, metres².
+    carve_below_m2: f64,
     repeat_within_m2: f64,
+    /// Squared distance and way ahead from which on a point may stand where one of the arc's does.
+    repeat_beyond_m2: f64,
+    repeat_ahead_m: f64,
 }
 
 /// A point as seen along an echo's axis.
@@ -238,22 +282,29 @@ struct Sight {
 }
 
 impl Arc<'_> {
-    fn of(echo: &PlacedEcho, confirm_slope: f64) -> Arc<'_> {
-        let within_m = CONFIRM_WITHIN_M + CONFIRM_WITHIN_SHARE * echo.range_m;
-        let nearest_m = (echo.range_m - within_m).max(0.0);
-        let farthest_m = echo.range_m + within_m;
-        let repeat_m = REPEAT_WITHIN_M + REPEAT_WITHIN_SHARE * echo.range_m;
+    fn of(echo: &PlacedEcho, confirm_slope: f64, carve_slope: f64) -> Arc<'_> {
+        let range_m = echo.range_m;
+        let within_m = CONFIRM_WITHIN_M + CONFIRM_WITHIN_SHARE * range_m;
+        let nearest_m = (range_m - within_m).max(0.0);
+        let farthest_m = range_m + within_m;
+        let repeat_m = REPEAT_WITHIN_M + REPEAT_WITHIN_SHARE * range_m;
+        let repeat_beyond_m = (range_m - repeat_m - HAIR_M).max(0.0);
+        let carve_below_m = (CARVE_SHARE * range_m - CARVE_SHORT_M).max(0.0);
         Arc {
             echo,
             on_arc_m2: [nearest_m * nearest_m, farthest_m * farthest_m],
             confirm_slope,
+            carve_slope,
+            carve_below_m2: carve_below_m * carve_below_m,
             repeat_within_m2: repeat_m * repeat_m,
+            repeat_beyond_m2: repeat_beyond_m * repeat_beyond_m,
+            repeat_ahead_m: ARC_LEAST_COSINE * range_m - repeat_m - HAIR_M,
         }
     }
 
-    fn sight(&self, point: &Point) -> Sight {
+    fn sight(&self, at_m: [f64; 2]) -> Sight {
         let [from_m, axis] = [self.echo.from_m, self.echo.axis];
-        let [dx, dy] = [point.at_m[0] - from_m[0], point.at_m[1] - from_m[1]];
+        let [dx, dy] = [at_m[0] - from_m[0], at_m[1] - from_m[1]];
         Sight {
             forward_m: dx * axis[0] + dy * axis[1],
             aside_m: (dy * axis[0] - dx * axis[1]).abs(),
@@ -261,15 +312,33 @@ impl Arc<'_> {
         }
     }
 
+    /// Whether a point can matter to the echo: false only where it neither carves, confirms nor repeats.
+    fn concerns(&self, sight: &Sight) -> bool {
+        // The cone of carving is within that of confirming, and what repeats is nearer than what
+        // confirms.
+        let may_repeat = (sight.distance_m2 >= self.repeat_beyond_m2)
+            & (sight.forward_m >= self.repeat_ahead_m);
+        (sight.distance_m2 <= self.on_arc_m2[1]) & (self.in_cone(sight) | may_repeat)
+    }
+
+    fn in_cone(&self, sight: &Sight) -> bool {
+        // As near to the sonar's face as this, a direction says nothing.
+        (sight.aside_m <= self.confirm_slope * sight.forward_m)
+            | (sight.distance_m2 <= CONFIRM_WITHIN_M * CONFIRM_WITHIN_M)
+    }
+
+    /// Whether the echo has looked through a point.
+    fn carves(&self, sight: &Sight) -> bool {
+        sight.distance_m2 < self.carve_below_m2
+            && sight.aside_m <= self.carve_slope * sight.forward_m
+    }
+
     /// Whether a point of another firing lies on the arc.
     fn confirms(&self, point: &Point, sight: &Sight) -> bool {
         let [nearest_m2, farthest_m2] = self.on_arc_m2;
-        // As near to the sonar's face as this, a direction says nothing.
-        let in_cone = sight.aside_m <= self.confirm_slope * sight.forward_m
-            || sight.distance_m2 <= CONFIRM_WITHIN_M * CONFIRM_WITHIN_M;
-        in_cone
+        self.in_cone(sight)
             && (nearest_m2..=farthest_m2).contains(&sight.distance_m2)
-            && apart_s(point.fired, self.echo.fired) > OTHER_FIRING_S
+            && point.fired.0.abs_diff(self.echo.fired.0) > OTHER_FIRING_NS
     }
 
     /// Whether one of the arc's points stands where this one does.
@@ -282,9 +351,4 @@ impl Arc<'_> {
         let [dx, dy] = [at_m[0] - point.at_m[0], at_m[1] - point.at_m[1]];
         dx * dx + dy * dy <= self.repeat_within_m2
     }
-}
-
-/// How far apart two instants are, seconds.
-fn apart_s(a: Time, b: Time) -> f64 {
-    a.seconds_since(b).abs()
 }
