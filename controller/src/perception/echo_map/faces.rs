@@ -20,14 +20,22 @@ const CELL_M: f64 = 0.05;
 const CELLS: usize = 50;
 
 /// Votes are counted in whole numbers, which is fast and has no order: points in this many units per
-/// metre, normals in this many per 1, so that products stay far below 2³¹.
+/// metre, normals in this many per 1. Products and their sums stay below 2²⁴, so that 32-bit floats, of
+/// which a processor multiplies several at once, hold them exactly.
 const UNITS_PER_M: f64 = 1024.0;
 const UNITS_PER_1: f64 = 1024.0;
 const UNITS_PER_CELL: u32 = (CELL_M * UNITS_PER_M * UNITS_PER_1) as u32;
 
-/// Points older than this, seconds, or heard from farther away than this, metres, have no vote
+/// Adding this to a float from 0 to 2²² rounds it to a whole number and leaves that in its lowest bits.
+const ROUNDING: f32 = 12_582_912.0;
+
+/// A cell has 52,428 units, so quotients are 1.9e-5 apart: taking off half of 1, but for half of that, and
+/// rounding gives the whole part.
+const TO_WHOLE: f32 = 0.5 - 0.9e-5;
+
+/// Points older than this, nanoseconds, or heard from farther away than this, metres, have no vote
 /// (prototype).
-const LIFE_S: f64 = 3.0;
+const LIFE_NS: u64 = 3_000_000_000;
 const REACH_M: f64 = 2.5;
 
 /// Points farther than this from the robot, along either axis, metres, have no vote either: what was
@@ -52,19 +60,42 @@ const SPREAD: usize = 2;
 /// The transform's constant tables.
 #[derive(Clone, Debug)]
 pub(super) struct Faces {
-    normals: [[i32; 2]; HALF],
+    normals_x: [f32; HALF],
+    normals_y: [f32; HALF],
+    /// Where the votes of a direction start.
+    rows: [u32; HALF],
     weights: [i16; CELLS],
 }
 
-/// Votes of one direction; one cell more than counts, so that each has a next.
-type Row = [i16; CELLS + 1];
+/// Places of a direction's votes: the cells, one for what is farther away, and what fills the row up to
+/// whole vectors.
+const ROW: usize = 56;
+
+/// Where opposite directions' votes start, beyond those of a direction.
+const OPPOSITE: u32 = (HALF * ROW) as u32;
+
+/// The votes of all directions, row by row; as many places as a mask of bits can tell.
+#[derive(Clone, Debug)]
+struct Votes([i16; Votes::PLACES]);
+
+impl Votes {
+    const PLACES: usize = (DIRECTIONS * ROW).next_power_of_two();
+
+    /// Votes of one direction: one cell more than counts, which is empty, so that each has a next.
+    fn row(&self, direction: usize) -> &[i16] {
+        &self.0[direction * ROW..][..=CELLS]
+    }
+}
 
 impl Faces {
     pub(super) fn new() -> Faces {
+        let normals: [[f32; 2]; HALF] = std::array::from_fn(|i| {
+            unit(angle_rad(i as f64)).map(|x| libm::round(UNITS_PER_1 * x) as f32)
+        });
         Faces {
-            normals: std::array::from_fn(|i| {
-                unit(angle_rad(i as f64)).map(|x| libm::round(UNITS_PER_1 * x) as i32)
-            }),
+            normals_x: normals.map(|[x, _]| x),
+            normals_y: normals.map(|[_, y]| y),
+            rows: std::array::from_fn(|i| (i * ROW) as u32),
             weights: std::array::from_fn(|cell| {
                 let distance_m = CELL_M * (cell + 1) as f64;
                 libm::round(WEIGHT_UNITS / (NEAR_M + distance_m)) as i16
@@ -90,62 +121,81 @@ impl Faces {
         points: impl Iterator<Item = &'a Point>,
         from_m: [f64; 2],
         now: Time,
-    ) -> [Row; DIRECTIONS] {
-        let mut votes = [[0; CELLS + 1]; DIRECTIONS];
+    ) -> Votes {
+        let mut votes = Votes([0; Votes::PLACES]);
         let voters = points.filter(|point| {
-            point.confirmed && point.range_m <= REACH_M && now.seconds_since(point.fired) <= LIFE_S
+            point.confirmed
+                && point.range_m <= REACH_M
+                && now.0.saturating_sub(point.fired.0) <= LIFE_NS
         });
         for point in voters {
             let offset_m = [point.at_m[0] - from_m[0], point.at_m[1] - from_m[1]];
             if offset_m[0].abs().max(offset_m[1].abs()) > FARTHEST_M {
                 continue;
             }
-            let [x, y] = offset_m.map(|metres| (UNITS_PER_M * metres) as i32);
-            for (index, [normal_x, normal_y]) in self.normals.iter().enumerate() {
-                let distance = x * normal_x + y * normal_y;
-                let direction = if distance < 0 { index + HALF } else { index };
-                let cell = (distance.unsigned_abs() / UNITS_PER_CELL) as usize;
-                if cell < CELLS {
-                    votes[direction][cell] += 1;
-                }
+            let units = offset_m.map(|metres| (UNITS_PER_M * metres) as i32 as f32);
+            for place in self.places(units) {
+                votes.0[place as usize % Votes::PLACES] += 1;
             }
+        }
+        for direction in 0..DIRECTIONS {
+            votes.0[direction * ROW + CELLS] = 0;
         }
         votes
     }
 
+    /// Where a point's votes go: one per direction, or the opposite one.
+    fn places(&self, [x, y]: [f32; 2]) -> [u32; HALF] {
+        std::array::from_fn(|i| {
+            let distance = x * self.normals_x[i] + y * self.normals_y[i];
+            let opposite = if distance < 0.0 { OPPOSITE } else { 0 };
+            self.rows[i] + opposite + cell_of(distance.abs())
+        })
+    }
+
     /// The direction and the cell, together with its next, that carry most weight; `None` if even they
     /// have too little support.
-    fn heaviest(&self, votes: &[Row; DIRECTIONS]) -> Option<(usize, usize)> {
+    fn heaviest(&self, votes: &Votes) -> Option<(usize, usize)> {
         let weight =
-            |row: &Row, cell: usize| support(row, cell).min(MOST_SUPPORT) * self.weights[cell];
+            |row: &[i16], cell: usize| support(row, cell).min(MOST_SUPPORT) * self.weights[cell];
         let mut best = 0;
         let mut best_weight = 0;
-        for (direction, row) in votes.iter().enumerate() {
+        for direction in 0..DIRECTIONS {
+            let row = votes.row(direction);
             let heaviest = (0..CELLS).fold(0, |most, cell| weight(row, cell).max(most));
             if heaviest > best_weight {
                 best = direction;
                 best_weight = heaviest;
             }
         }
-        let cell = (0..CELLS).find(|cell| weight(&votes[best], *cell) == best_weight)?;
-        (support(&votes[best], cell) >= LEAST_SUPPORT).then_some((best, cell))
+        let row = votes.row(best);
+        let cell = (0..CELLS).find(|cell| weight(row, *cell) == best_weight)?;
+        (support(row, cell) >= LEAST_SUPPORT).then_some((best, cell))
     }
 }
 
+/// The cell of a distance in units, which is a whole number; [`CELLS`] for all that is farther away.
+fn cell_of(distance: f32) -> u32 {
+    const CELLS_PER_UNIT: f32 = 1.0 / UNITS_PER_CELL as f32;
+    let cells = distance * CELLS_PER_UNIT;
+    let within = if cells < CELLS as f32 { cells } else { CELLS as f32 };
+    ((within - TO_WHOLE) + ROUNDING).to_bits() & 0xff
+}
+
 /// Points on a line of a row, within the cell and its next: a line on the edge of a cell is not split.
-fn support(row: &Row, cell: usize) -> i16 {
+fn support(row: &[i16], cell: usize) -> i16 {
     row[cell] + row[cell + 1]
 }
 
 /// The centroid of the directions about the best one. The cube of the support tells a peak from the
 /// broad foot that every Hough peak stands on.
-fn refined_rad(votes: &[Row; DIRECTIONS], best: usize, cell: usize) -> f64 {
-    let most = f64::from(support(&votes[best], cell));
+fn refined_rad(votes: &Votes, best: usize, cell: usize) -> f64 {
+    let most = f64::from(support(votes.row(best), cell));
     let cells = cell.saturating_sub(1)..=(cell + 1).min(CELLS - 1);
     let (mut moment, mut mass) = (0.0, 0.0);
     for step in 0..=2 * SPREAD {
         let off = step as f64 - SPREAD as f64;
-        let row = &votes[(best + DIRECTIONS + step - SPREAD) % DIRECTIONS];
+        let row = votes.row((best + DIRECTIONS + step - SPREAD) % DIRECTIONS);
         let like = cells.clone().map(|cell| support(row, cell)).max().unwrap_or(0);
         let share = (f64::from(like) / most).min(1.0);
         let cube = share * share * share;
@@ -201,6 +251,19 @@ mod tests {
     fn apart_deg(a: f64, b: f64) -> f64 {
         let turn = (a - b).rem_euclid(360.0);
         turn.min(360.0 - turn)
+    }
+
+    /// Every distance there can be falls into the cell that division gives.
+    #[test]
+    fn distances_fall_into_their_cells() {
+        let farthest = 15_000_000;
+        assert!(farthest < 1 << f32::MANTISSA_DIGITS);
+        for distance in 0..farthest {
+            let cell = (distance / UNITS_PER_CELL).min(CELLS as u32);
+            assert_eq!(cell_of(distance as f32), cell, "{distance}");
+        }
+        let most = 2.0 * UNITS_PER_M * FARTHEST_M * UNITS_PER_1;
+        assert!(most * std::f64::consts::FRAC_1_SQRT_2 < f64::from(farthest));
     }
 
     /// Within half a cell of 5°, whichever way the wall stands; between −180° and 180°.
