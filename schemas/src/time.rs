@@ -23,6 +23,12 @@ impl Time {
         }
     }
 
+    /// The span from `start` to `self`; zero when `self` is earlier.
+    #[must_use]
+    pub fn since(self, start: Time) -> Span {
+        Span(self.0.saturating_sub(start.0))
+    }
+
     /// The instant `ns` nanoseconds later, saturating at the end of time.
     #[must_use]
     pub fn after_ns(self, ns: u64) -> Time {
@@ -74,6 +80,12 @@ mod tests {
         assert_eq!(Span::from_seconds(-1.0), Span(0));
         assert_eq!(Span::from_seconds(f64::NAN), Span(0));
         assert_eq!(Span::from_seconds(f64::INFINITY), Span(u64::MAX));
+    }
+
+    #[test]
+    fn spans_between_are_not_negative() {
+        assert_eq!(Time(5).since(Time(3)), Span(2));
+        assert_eq!(Time(3).since(Time(5)), Span(0));
     }
 
     #[test]

@@ -136,7 +136,13 @@ impl Cones {
 /// How far apart two directions are, radians, 0 to π; NaN if either is not finite.
 pub(super) fn apart_rad(a_rad: f64, b_rad: f64) -> f64 {
     use std::f64::consts::TAU;
-    let turn_rad = (a_rad - b_rad).rem_euclid(TAU);
+    let turn_rad = a_rad - b_rad;
+    // Within a turn, as most are, a remainder is quickly had.
+    let turn_rad = if turn_rad.abs() < TAU {
+        if turn_rad < 0.0 { turn_rad + TAU } else { turn_rad }
+    } else {
+        turn_rad.rem_euclid(TAU)
+    };
     if turn_rad > 0.5 * TAU { TAU - turn_rad } else { turn_rad }
 }
 

@@ -4,7 +4,7 @@
 //! line from the robot by 5 cm. A face is where many points agree; near faces count more than far
 //! ones. An arc's wrong points vote too, but they agree on nothing.
 
-use schemas::Time;
+use schemas::{Span, Time};
 
 use super::beam::unit;
 use super::points::Point;
@@ -33,9 +33,9 @@ const ROUNDING: f32 = 12_582_912.0;
 /// rounding gives the whole part.
 const TO_WHOLE: f32 = 0.5 - 0.9e-5;
 
-/// Points older than this, nanoseconds, or heard from farther away than this, metres, have no vote
+/// Points older than this, or heard from farther away than this, metres, have no vote
 /// (prototype).
-const LIFE_NS: u64 = 3_000_000_000;
+const LIFE: Span = Span(3_000_000_000);
 const REACH_M: f64 = 2.5;
 
 /// Points farther than this from the robot, along either axis, metres, have no vote either: what was
@@ -126,7 +126,7 @@ impl Faces {
         let voters = points.filter(|point| {
             point.confirmed
                 && point.range_m <= REACH_M
-                && now.0.saturating_sub(point.fired.0) <= LIFE_NS
+                && now.since(point.fired) <= LIFE
         });
         for point in voters {
             let offset_m = [point.at_m[0] - from_m[0], point.at_m[1] - from_m[1]];

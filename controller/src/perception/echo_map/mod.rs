@@ -30,7 +30,7 @@ mod points;
 mod ray;
 mod scan;
 
-use schemas::{Disc, Footprint, Pose, SONARS, SonarEcho, SonarScan, Time};
+use schemas::{Disc, Footprint, Pose, SONARS, SonarEcho, SonarScan, Span, Time};
 
 use self::beam::{Beam, BodyToWorld, unit};
 use self::cones::{Cones, Reading};
@@ -57,13 +57,13 @@ const RANGE_SHARE: f64 = 0.01;
 const DRIFT_SHARE: f64 = 0.03;
 const DRIFT_MOST_M: f64 = 0.12;
 
-/// Up to this age, seconds, what echoed may be on its way towards the robot; what is older has been
+/// Up to this age what echoed may be on its way towards the robot; what is older has been
 /// looked at again, or is remembered because it stood still (prototype).
-const MOVING_S: f64 = 0.5;
+const MOVING: Span = Span(500_000_000);
 
-/// What has echoed from one place for this long, seconds, stands: within the reach of a repetition, 3 cm
+/// What has echoed from one place for this long stands: within the reach of a repetition, 3 cm
 /// and 2 % of the range, it can have moved by 5 cm/s. Chosen: three sweeps.
-const STANDS_AFTER_S: f64 = 1.0;
+const STANDS_AFTER: Span = Span(1_000_000_000);
 
 /// What the map is to assume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -230,7 +230,7 @@ impl EchoMap {
         self.points.iter().map(move |point| {
             let moved_m = self.moved_m(point, now);
             let radius_m = EchoMap::uncertainty_m(point, self.advanced_at_m) + moved_m;
-            let may_move = now.seconds_since(point.fired) < MOVING_S && !stands(point);
+            let may_move = now.since(point.fired) < MOVING && !stands(point);
             (Disc { centre_m: point.at_m, radius_m }, may_move)
         })
     }
@@ -352,9 +352,10 @@ impl EchoMap {
             let moved_m = self.moved_m(point, now);
             let Some(sighting) = sight(about_m, point.at_m, by_m + moved_m) else { continue };
             self.safety.see(&sighting);
-            if point.confirmed
-                && let Some(sighting) = sight(about_m, point.at_m, by_m)
-            {
+            if point.confirmed {
+                // Most points stand, and appear alike in both scans.
+                let sighting =
+                    if moved_m == 0.0 { sighting } else { sighting.drawn_by(by_m) };
                 self.law.see(&sighting);
             }
         }
@@ -367,11 +368,9 @@ impl EchoMap {
             let by_m = EchoMap::uncertainty_m(point, odometer_m);
             let moved_m = self.moved_m(point, now);
             let Some(sighting) = sight(about_m, point.at_m, by_m + moved_m) else { continue };
-            self.safety_gaps.push(sighting.at_m);
-            if point.confirmed
-                && let Some(sighting) = sight(about_m, point.at_m, by_m)
-            {
-                self.law_gaps.push(sighting.at_m);
+            self.safety_gaps.push(sighting.at_m(about_m));
+            if point.confirmed {
+                self.law_gaps.push(sighting.drawn_by(by_m).at_m(about_m));
             }
         }
     }
@@ -384,14 +383,14 @@ impl EchoMap {
 
     /// How far what echoed there may have come since, metres.
     fn moved_m(&self, point: &Point, now: Time) -> f64 {
-        let age_s = now.seconds_since(point.fired).max(0.0);
-        if stands(point) || age_s >= MOVING_S { 0.0 } else { self.settings.v_disc_mps * age_s }
+        let age = now.since(point.fired);
+        if age >= MOVING || stands(point) { 0.0 } else { self.settings.v_disc_mps * age.seconds() }
     }
 }
 
 /// Whether what echoed has been there for so long that it is not reckoned to move.
 fn stands(point: &Point) -> bool {
-    point.confirmed && point.fired.seconds_since(point.since) >= STANDS_AFTER_S
+    point.confirmed && point.fired.since(point.since) >= STANDS_AFTER
 }
 
 #[cfg(test)]

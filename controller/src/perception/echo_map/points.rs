@@ -9,25 +9,25 @@
 //!   carves, because a wall at a slant is silent too; nor does an unconfirmed echo, because the detours
 //!   that sound takes off such walls pretend to look through them.
 
-use schemas::Time;
+use schemas::{Span, Time};
 
 use super::beam::ARC_POINTS;
 use crate::digest::Digest;
 
-/// A confirmed point is remembered this long, seconds (prototype: longer lets odometry drift in).
-const CONFIRMED_LIFE_S: f64 = 5.0;
+/// A confirmed point is remembered this long (prototype: longer lets odometry drift in).
+const CONFIRMED_LIFE: Span = Span(5_000_000_000);
 
 /// … but where the robot has hardly moved since, by this much of the odometer, metres, odometry has not
-/// drifted either, and it is remembered for this long, seconds: a robot that waits before a corner which
+/// drifted either, and it is remembered for this long: a robot that waits before a corner which
 /// only echoes now and then must not forget it.
 const RESTING_WITHIN_M: f64 = 0.3;
-const RESTING_LIFE_S: f64 = 60.0;
+const RESTING_LIFE: Span = Span(60_000_000_000);
 
-/// An unconfirmed one this long, seconds: a sonar fires again after 0.32 s.
-const UNCONFIRMED_LIFE_S: f64 = 0.4;
+/// An unconfirmed one this long: a sonar fires again after 0.32 s.
+const UNCONFIRMED_LIFE: Span = Span(400_000_000);
 
-/// Firings no farther apart than this, nanoseconds, may hear each other and do not confirm each other.
-const OTHER_FIRING_NS: u64 = 50_000_000;
+/// Firings no farther apart than this may hear each other and do not confirm each other.
+const OTHER_FIRING: Span = Span(50_000_000);
 
 /// A point confirms an echo inside its cone and this much beyond, degrees.
 const CONFIRM_HALF_CONE_DEG: f64 = 13.0;
@@ -230,14 +230,14 @@ impl Points {
     /// Forgets what is too old at `now`, when the odometer stands at `odometer_m`.
     pub(super) fn age(&mut self, now: Time, odometer_m: f64) {
         self.kept.retain(|point| {
-            let life_s = if !point.confirmed {
-                UNCONFIRMED_LIFE_S
+            let life = if !point.confirmed {
+                UNCONFIRMED_LIFE
             } else if odometer_m - point.odometer_m <= RESTING_WITHIN_M {
-                RESTING_LIFE_S
+                RESTING_LIFE
             } else {
-                CONFIRMED_LIFE_S
+                CONFIRMED_LIFE
             };
-            now.seconds_since(point.fired) <= life_s
+            now.since(point.fired) <= life
         });
     }
 
@@ -338,7 +338,7 @@ impl Arc<'_> {
         let [nearest_m2, farthest_m2] = self.on_arc_m2;
         self.in_cone(sight)
             && (nearest_m2..=farthest_m2).contains(&sight.distance_m2)
-            && point.fired.0.abs_diff(self.echo.fired.0) > OTHER_FIRING_NS
+            && apart(point.fired, self.echo.fired) > OTHER_FIRING
     }
 
     /// Whether one of the arc's points stands where this one does.
@@ -351,4 +351,9 @@ impl Arc<'_> {
         let [dx, dy] = [at_m[0] - point.at_m[0], at_m[1] - point.at_m[1]];
         dx * dx + dy * dy <= self.repeat_within_m2
     }
+}
+
+/// How far apart two instants are.
+fn apart(a: Time, b: Time) -> Span {
+    Span(a.0.abs_diff(b.0))
 }

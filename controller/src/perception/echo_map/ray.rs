@@ -26,24 +26,36 @@ impl Ray {
     /// are from beyond a face of a room.
     pub(super) fn free_m(&self, points_m: &[[f64; 2]]) -> f64 {
         let mut free_m = f64::INFINITY;
-        for at_m in points_m {
-            let [dx, dy] = [at_m[0] - self.from_m[0], at_m[1] - self.from_m[1]];
-            let aside_m = dx * self.along[1] - dy * self.along[0];
-            let forward_m = dx * self.along[0] + dy * self.along[1];
-            let least_m2 = LEAST_RADIUS_SHARE * LEAST_RADIUS_SHARE * (dx * dx + dy * dy);
-            let radius_m2 = (self.radius_m * self.radius_m).max(least_m2);
-            let half_chord_m2 = radius_m2 - aside_m * aside_m;
-            // Most discs are missed, or too far ahead to matter: told without a square root.
-            let beyond_m = (forward_m - free_m).max(0.0);
-            if half_chord_m2 > beyond_m * beyond_m {
+        // Most discs are missed: sorted out a few at a time, without a branch.
+        let mut met_m = [[0.0; 2]; 32];
+        for some_m in points_m.chunks(met_m.len()) {
+            let mut count = 0;
+            for at_m in some_m {
+                let [dx, dy] = [at_m[0] - self.from_m[0], at_m[1] - self.from_m[1]];
+                let aside_m = dx * self.along[1] - dy * self.along[0];
+                let forward_m = dx * self.along[0] + dy * self.along[1];
+                let least_m2 = LEAST_RADIUS_SHARE * LEAST_RADIUS_SHARE * (dx * dx + dy * dy);
+                let radius_m2 = larger(self.radius_m * self.radius_m, least_m2);
+                let half_chord_m2 = radius_m2 - aside_m * aside_m;
+                met_m[count] = [forward_m, half_chord_m2];
                 // What lies behind is either left behind already or being left.
-                if forward_m > 0.0 {
+                count += usize::from((half_chord_m2 > 0.0) & (forward_m > 0.0));
+            }
+            for [forward_m, half_chord_m2] in &met_m[..count] {
+                // Many are too far ahead to matter: told without a square root.
+                let beyond_m = (forward_m - free_m).max(0.0);
+                if *half_chord_m2 > beyond_m * beyond_m {
                     free_m = forward_m - half_chord_m2.sqrt();
                 }
             }
         }
         free_m
     }
+}
+
+/// The larger of two numbers; the second where the first is none.
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 /// The straight path of a rectangle along its own axis.

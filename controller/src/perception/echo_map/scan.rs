@@ -34,9 +34,25 @@ pub(super) struct Scan {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sighting {
     direction: usize,
+    /// How far away it counts, metres.
+    drawn_m: f64,
+    /// How far away it is, and which way, metres.
     distance_m: f64,
-    /// Position, metres, drawn nearer.
-    pub(super) at_m: [f64; 2],
+    offset_m: [f64; 2],
+}
+
+impl Sighting {
+    /// Position, metres, drawn nearer to the scan's place.
+    pub(super) fn at_m(&self, about_m: [f64; 2]) -> [f64; 2] {
+        let share = if self.distance_m > 0.0 { self.drawn_m / self.distance_m } else { 0.0 };
+        let [dx, dy] = self.offset_m;
+        [about_m[0] + share * dx, about_m[1] + share * dy]
+    }
+
+    /// The same point, drawn nearer by `by_m` instead.
+    pub(super) fn drawn_by(&self, by_m: f64) -> Sighting {
+        Sighting { drawn_m: (self.distance_m - by_m).max(0.0), ..*self }
+    }
 }
 
 impl Scan {
@@ -62,10 +78,10 @@ impl Scan {
     }
 
     pub(super) fn see(&mut self, sighting: &Sighting) {
-        let Sighting { direction, distance_m, at_m } = *sighting;
-        if distance_m < self.nearest_m[direction] {
-            self.nearest_m[direction] = distance_m;
-            self.at_m[direction] = at_m;
+        let Sighting { direction, drawn_m, .. } = *sighting;
+        if drawn_m < self.nearest_m[direction] {
+            self.nearest_m[direction] = drawn_m;
+            self.at_m[direction] = sighting.at_m(self.about_m);
         }
     }
 
@@ -138,18 +154,16 @@ fn least_sine(steps: usize) -> f64 {
 pub(super) fn sight(about_m: [f64; 2], point_m: [f64; 2], by_m: f64) -> Option<Sighting> {
     let [dx, dy] = [point_m[0] - about_m[0], point_m[1] - about_m[1]];
     let distance_m = (dx * dx + dy * dy).sqrt();
-    let drawn_m = (distance_m - by_m).max(0.0);
-    let share = if distance_m > 0.0 { drawn_m / distance_m } else { 0.0 };
-    let direction = direction(dx, dy)?;
     Some(Sighting {
-        direction,
-        distance_m: drawn_m,
-        at_m: [about_m[0] + share * dx, about_m[1] + share * dy],
+        direction: direction(dx, dy)?,
+        drawn_m: (distance_m - by_m).max(0.0),
+        distance_m,
+        offset_m: [dx, dy],
     })
 }
 
 /// Which direction a vector points in, by a pseudo-angle that needs no arctangent: y/(|x|+|y|) in the
-/// first quadrant, and so on around. `None` if the vector is no number.
+/// first quadrant, 1 − x/(|x|+|y|) in the second, and so on around. `None` if the vector is no number.
 fn direction(x: f64, y: f64) -> Option<usize> {
     let whole = x.abs() + y.abs();
     if whole == 0.0 {
@@ -158,14 +172,18 @@ fn direction(x: f64, y: f64) -> Option<usize> {
     if !whole.is_finite() {
         return None;
     }
-    let quarters = match (x >= 0.0, y >= 0.0) {
-        (true, true) => y / whole,
-        (false, true) => 1.0 - x / whole,
-        (false, false) => 2.0 - y / whole,
-        (true, false) => 3.0 + x / whole,
+    // Chosen, not branched to: points lie in any quadrant.
+    let (ahead, left) = (x >= 0.0, y >= 0.0);
+    let part = if ahead == left { y } else { x } / whole;
+    let start = match (ahead, left) {
+        (true, true) => 0.0,
+        (false, true) => 1.0,
+        (false, false) => 2.0,
+        (true, false) => 3.0,
     };
+    let quarters = start + if ahead { part } else { -part };
     // A quotient may round up to the next quadrant's start, and the last to a whole turn.
-    let step = (quarters * (DIRECTIONS / 4) as f64) as usize;
+    let step = (quarters * (DIRECTIONS / 4) as f64) as i32 as usize;
     Some(step.min(DIRECTIONS - 1))
 }
 
@@ -247,6 +265,6 @@ mod tests {
         scan.see(&sight([0.0; 2], [0.0, 0.5], 0.2).unwrap());
         scan.finish();
         assert_eq!(scan.points_m(), &[[0.0, 0.3]]);
-        assert_eq!(sight([0.0; 2], [0.0, 0.5], 0.9).unwrap().distance_m, 0.0);
+        assert_eq!(sight([0.0; 2], [0.0, 0.5], 0.9).unwrap().drawn_m, 0.0);
     }
 }
