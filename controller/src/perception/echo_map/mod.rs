@@ -39,7 +39,7 @@ use self::gaps::Gaps;
 pub use self::limit::LimitingEcho;
 use self::points::{PlacedEcho, Point, Points};
 use self::ray::{Lane, Ray};
-use self::scan::{Scan, sight};
+use self::scan::{AT_ONCE, Scan, sight, sight_all};
 use crate::digest::Digest;
 use crate::estimation::Odometry;
 
@@ -165,7 +165,7 @@ impl EchoMap {
             return f64::NAN;
         }
         let lane = Lane::of(footprint, from, angle_rad);
-        let remembered_m = lane.free_m(self.law.points_m());
+        let remembered_m = self.law.travel_m(&lane);
         if Gaps::hold(angle_rad - from.theta_rad) {
             remembered_m.min(lane.free_m(&self.law_gaps))
         } else {
@@ -347,16 +347,24 @@ impl EchoMap {
     fn look(&mut self, now: Time, odometer_m: f64, about_m: [f64; 2]) {
         self.law.clear(about_m);
         self.safety.clear(about_m);
-        for point in self.points.iter() {
-            let by_m = EchoMap::uncertainty_m(point, odometer_m);
-            let moved_m = self.moved_m(point, now);
-            let Some(sighting) = sight(about_m, point.at_m, by_m + moved_m) else { continue };
-            self.safety.see(&sighting);
-            if point.confirmed {
-                // Most points stand, and appear alike in both scans.
-                let sighting =
-                    if moved_m == 0.0 { sighting } else { sighting.drawn_by(by_m) };
-                self.law.see(&sighting);
+        for some in self.points.as_slice().chunks(AT_ONCE) {
+            let [mut by_m, mut moved_m, mut nearer_m] = [[0.0; AT_ONCE]; 3];
+            let mut at_m = [[0.0; 2]; AT_ONCE];
+            for (i, point) in some.iter().enumerate() {
+                at_m[i] = point.at_m;
+                by_m[i] = EchoMap::uncertainty_m(point, odometer_m);
+                moved_m[i] = self.moved_m(point, now);
+                nearer_m[i] = by_m[i] + moved_m[i];
+            }
+            let sightings = sight_all(about_m, &at_m, &nearer_m);
+            for (i, point) in some.iter().enumerate() {
+                let Some(sighting) = sightings[i] else { continue };
+                self.safety.see(&sighting);
+                if point.confirmed {
+                    // Most points stand, and appear alike in both scans.
+                    let stood = moved_m[i] == 0.0;
+                    self.law.see(&if stood { sighting } else { sighting.drawn_by(by_m[i]) });
+                }
             }
         }
         self.law.finish();

@@ -137,6 +137,10 @@ impl Points {
         self.kept.iter()
     }
 
+    pub(super) fn as_slice(&self) -> &[Point] {
+        &self.kept
+    }
+
     pub(super) fn clear(&mut self) {
         self.kept.clear();
     }

@@ -88,10 +88,10 @@ impl Lane {
             let [dx, dy] = [at_m[0] - self.from_m[0], at_m[1] - self.from_m[1]];
             let aside_m = (dx * self.along[1] - dy * self.along[0]).abs();
             let forward_m = dx * self.along[0] + dy * self.along[1];
-            let wide_m = half_width_m.max(LEAST_RADIUS_SHARE * forward_m);
-            if forward_m > 0.0 && aside_m < wide_m {
-                free_m = free_m.min(forward_m - half_length_m);
-            }
+            let wide_m = larger(half_width_m, LEAST_RADIUS_SHARE * forward_m);
+            let met_m = forward_m - half_length_m;
+            let nearer = (forward_m > 0.0) & (aside_m < wide_m) & (met_m < free_m);
+            free_m = if nearer { met_m } else { free_m };
         }
         free_m
     }

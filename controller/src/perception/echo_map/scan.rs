@@ -1,6 +1,6 @@
 //! The virtual scan: what a range finder at one place would see of the remembered points.
 
-use super::ray::{LEAST_RADIUS_SHARE, Ray};
+use super::ray::{LEAST_RADIUS_SHARE, Lane, Ray};
 
 /// How many directions. They are equal steps of the pseudo-angle below, which are 0.95° wide along
 /// the axes and 1.9° between them: 1.5° on average, as the echo map's prototype had it.
@@ -20,9 +20,10 @@ pub(super) struct Scan {
     /// Per direction; +∞ where there is none.
     nearest_m: [f64; DIRECTIONS],
     at_m: [[f64; 2]; DIRECTIONS],
-    /// The points there are, in the order of their directions, and how many come before each
+    /// The points there are, in the order of their directions, how many, and how many come before each
     /// direction.
-    seen: Vec<[f64; 2]>,
+    seen: [[f64; 2]; DIRECTIONS],
+    count: usize,
     before: [u8; DIRECTIONS + 1],
     /// How many steps off a ray's direction even the nearest point of all is out of its way.
     window: usize,
@@ -63,7 +64,8 @@ impl Scan {
             about_m: [0.0; 2],
             nearest_m: [f64::INFINITY; DIRECTIONS],
             at_m: [[0.0; 2]; DIRECTIONS],
-            seen: Vec::with_capacity(DIRECTIONS),
+            seen: [[0.0; 2]; DIRECTIONS],
+            count: 0,
             before: [0; DIRECTIONS + 1],
             window: 0,
             least_sines: std::array::from_fn(least_sine),
@@ -74,7 +76,7 @@ impl Scan {
     pub(super) fn clear(&mut self, about_m: [f64; 2]) {
         self.about_m = about_m;
         self.nearest_m = [f64::INFINITY; DIRECTIONS];
-        self.seen.clear();
+        self.count = 0;
     }
 
     pub(super) fn see(&mut self, sighting: &Sighting) {
@@ -88,14 +90,16 @@ impl Scan {
     /// Ends a round of [`Scan::see`]; now rays may be asked.
     pub(super) fn finish(&mut self) {
         let mut least_m = f64::INFINITY;
+        let mut count = 0;
         for (direction, nearest_m) in self.nearest_m.iter().enumerate() {
-            self.before[direction] = self.seen.len() as u8;
-            if *nearest_m < f64::INFINITY {
-                self.seen.push(self.at_m[direction]);
-                least_m = least_m.min(*nearest_m);
-            }
+            self.before[direction] = count as u8;
+            // Where there is none the next one takes the place.
+            self.seen[count] = self.at_m[direction];
+            count += usize::from(*nearest_m < f64::INFINITY);
+            least_m = if *nearest_m < least_m { *nearest_m } else { least_m };
         }
-        self.before[DIRECTIONS] = self.seen.len() as u8;
+        self.before[DIRECTIONS] = count as u8;
+        self.count = count;
         // A point at distance ρ, an angle α off a ray, is met only if ρ sin α is less than the radius.
         let met =
             |sine: &&f64| **sine <= LEAST_RADIUS_SHARE || least_m * **sine * SLACK < self.radius_m;
@@ -104,18 +108,32 @@ impl Scan {
 
     /// The nearest points, metres, world frame.
     pub(super) fn points_m(&self) -> &[[f64; 2]] {
-        &self.seen
+        &self.seen[..self.count]
     }
 
     /// Free travel of the scan's disc from `from_m` along the unit vector `along`, see
     /// [`Ray::free_m`].
     pub(super) fn free_m(&self, from_m: [f64; 2], along: [f64; 2]) -> f64 {
         let ray = Ray { from_m, along, radius_m: self.radius_m };
+        let [first_m, second_m] = self.about(from_m, along);
+        ray.free_m(first_m).min(ray.free_m(second_m))
+    }
+
+    /// Free travel of a lane that is no wider than the scan's disc, see [`Lane::free_m`].
+    pub(super) fn travel_m(&self, lane: &Lane) -> f64 {
+        let [first_m, second_m] = self.about(lane.from_m, lane.along);
+        lane.free_m(first_m).min(lane.free_m(second_m))
+    }
+
+    /// The points that a disc of the scan's radius may meet on its way from `from_m` along the unit vector
+    /// `along`, in two parts.
+    fn about(&self, from_m: [f64; 2], along: [f64; 2]) -> [&[[f64; 2]]; 2] {
+        let all = [self.points_m(), &[]];
         let (Some(ahead), true) = (direction(along[0], along[1]), from_m == self.about_m) else {
-            return ray.free_m(&self.seen);
+            return all;
         };
         if self.window >= OPPOSITE {
-            return ray.free_m(&self.seen);
+            return all;
         }
         let within = |from: usize, to: usize| {
             &self.seen[usize::from(self.before[from])..usize::from(self.before[to])]
@@ -123,12 +141,11 @@ impl Scan {
         // From `window` steps to the right to as many to the left, both included.
         let (first, end) = (ahead + DIRECTIONS - self.window, ahead + self.window + 1);
         if first < DIRECTIONS {
-            ray.free_m(within(first, DIRECTIONS)).min(ray.free_m(within(0, end)))
+            [within(first, DIRECTIONS), within(0, end)]
         } else if end > DIRECTIONS {
-            let wrapped = within(0, end - DIRECTIONS);
-            ray.free_m(within(first - DIRECTIONS, DIRECTIONS)).min(ray.free_m(wrapped))
+            [within(first - DIRECTIONS, DIRECTIONS), within(0, end - DIRECTIONS)]
         } else {
-            ray.free_m(within(first - DIRECTIONS, end))
+            [within(first - DIRECTIONS, end), &[]]
         }
     }
 }
@@ -149,6 +166,29 @@ fn least_sine(steps: usize) -> f64 {
     2.0 * tangent / (1.0 + tangent * tangent)
 }
 
+/// How many points are sighted at once.
+pub(super) const AT_ONCE: usize = 16;
+
+/// [`sight`] for several points.
+pub(super) fn sight_all(
+    about_m: [f64; 2],
+    points_m: &[[f64; 2]; AT_ONCE],
+    by_m: &[f64; AT_ONCE],
+) -> [Option<Sighting>; AT_ONCE] {
+    let offsets_m = points_m.map(|[x, y]| [x - about_m[0], y - about_m[1]]);
+    let distances_m = offsets_m.map(|[dx, dy]| (dx * dx + dy * dy).sqrt());
+    let steps = offsets_m.map(|[dx, dy]| steps(dx, dy));
+    std::array::from_fn(|i| {
+        let [dx, dy] = offsets_m[i];
+        (dx.abs() + dy.abs()).is_finite().then(|| Sighting {
+            direction: step_of(steps[i]),
+            drawn_m: (distances_m[i] - by_m[i]).max(0.0),
+            distance_m: distances_m[i],
+            offset_m: offsets_m[i],
+        })
+    })
+}
+
 /// Draws a point nearer to `about_m` by `by_m` and says where it then appears. `None` if it is no
 /// number.
 pub(super) fn sight(about_m: [f64; 2], point_m: [f64; 2], by_m: f64) -> Option<Sighting> {
@@ -165,26 +205,22 @@ pub(super) fn sight(about_m: [f64; 2], point_m: [f64; 2], by_m: f64) -> Option<S
 /// Which direction a vector points in, by a pseudo-angle that needs no arctangent: y/(|x|+|y|) in the
 /// first quadrant, 1 − x/(|x|+|y|) in the second, and so on around. `None` if the vector is no number.
 fn direction(x: f64, y: f64) -> Option<usize> {
-    let whole = x.abs() + y.abs();
-    if whole == 0.0 {
-        return Some(0);
-    }
-    if !whole.is_finite() {
-        return None;
-    }
-    // Chosen, not branched to: points lie in any quadrant.
-    let (ahead, left) = (x >= 0.0, y >= 0.0);
-    let part = if ahead == left { y } else { x } / whole;
-    let start = match (ahead, left) {
-        (true, true) => 0.0,
-        (false, true) => 1.0,
-        (false, false) => 2.0,
-        (true, false) => 3.0,
-    };
-    let quarters = start + if ahead { part } else { -part };
+    (x.abs() + y.abs()).is_finite().then(|| step_of(steps(x, y)))
+}
+
+/// The direction as a number of steps with its fraction; NaN for no vector at all.
+fn steps(x: f64, y: f64) -> f64 {
+    // Chosen, not branched to: points lie in any quadrant, and several are reckoned at once.
+    let (behind, right) = (x < 0.0, y < 0.0);
+    let part = if behind == right { y } else { x } / (x.abs() + y.abs());
+    let start = if behind { if right { 2.0 } else { 1.0 } } else if right { 3.0 } else { 0.0 };
+    (start + if behind { -part } else { part }) * (DIRECTIONS / 4) as f64
+}
+
+/// The direction of so many steps; 0 for NaN.
+fn step_of(steps: f64) -> usize {
     // A quotient may round up to the next quadrant's start, and the last to a whole turn.
-    let step = (quarters * (DIRECTIONS / 4) as f64) as i32 as usize;
-    Some(step.min(DIRECTIONS - 1))
+    (steps as i32 as usize).min(DIRECTIONS - 1)
 }
 
 #[cfg(test)]
@@ -219,6 +255,11 @@ mod tests {
             let scan = scan_of(&points, about_m, radius_m);
             let ray = Ray { from_m: about_m, along: unit(angle_rad), radius_m };
             prop_assert_eq!(scan.free_m(about_m, ray.along), ray.free_m(scan.points_m()));
+            // No wider than the disc, whatever its length.
+            for half_m in [[0.0, radius_m], [0.3, 0.7 * radius_m]] {
+                let lane = Lane { from_m: about_m, along: ray.along, half_m };
+                prop_assert_eq!(scan.travel_m(&lane), lane.free_m(scan.points_m()));
+            }
         }
     }
 
