@@ -15,6 +15,7 @@ mod fleet;
 mod interrupt;
 mod logs;
 mod output;
+mod self_test;
 mod status;
 
 use clap::Parser;

@@ -22,6 +22,7 @@ mod metrics;
 #[cfg(test)]
 mod properties;
 pub mod report;
+mod self_test;
 pub mod statistics;
 #[cfg(test)]
 mod synthetic;
@@ -40,3 +41,4 @@ pub use metrics::{
     Basis, Better, CATALOGUE, Group, Measured, Meter, Metric, MetricSummary, Profile, RunMetrics,
     Switch, Track, TrackPoint, Violation, ViolationKind, metric, summarize,
 };
+pub use self_test::{FalseAlarms, Mutant, Power, SelfTest, Unchanged};

@@ -9,6 +9,7 @@ mod digest;
 pub mod estimation;
 pub mod frame;
 pub mod law;
+mod mutation;
 mod params;
 pub mod perception;
 pub mod plan;
@@ -23,6 +24,7 @@ pub mod travel;
 mod version;
 pub mod wanted;
 
+pub use mutation::Mutation;
 pub use params::{Allowed, Parameter, Params, Setting};
 pub use runner::{Look, Outcome, Ray, Runner, Setup, Shielded};
 pub use session::Session;

@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::sync::Arc;
 
-use controller::{Runner, Session, Setup, Spec};
+use controller::{Mutation, Runner, Session, Setup, Spec, SpecError};
 use schemas::log::{LogError, LogReader};
 use schemas::{Event, Scenario, Span, Stamped, Time};
 use simulator::{Simulation, SimulationSetup};
@@ -39,6 +39,13 @@ enum Beside<R> {
     Until(Time, Option<Arc<LogError>>),
 }
 
+impl<R> Beside<R> {
+    /// Nothing but the end of the recording.
+    fn end_of(recording: &Recording) -> Beside<R> {
+        Beside::Until(recording.end(), recording.damage())
+    }
+}
+
 impl<R: Read> ClosedLoop<R> {
     /// A replay that is compared with `log` message by message.
     pub(crate) fn beside(
@@ -47,7 +54,8 @@ impl<R: Read> ClosedLoop<R> {
         spec: &Spec,
         person: Person,
     ) -> Result<ClosedLoop<R>, ReplayError> {
-        ClosedLoop::new(Beside::Log(Box::new(Recorded::new(log))), recording, spec, person)
+        let beside = Beside::Log(Box::new(Recorded::new(log)));
+        ClosedLoop::new(beside, recording, spec, person, Runner::new)
     }
 
     /// A replay that needs the log no more.
@@ -56,7 +64,18 @@ impl<R: Read> ClosedLoop<R> {
         spec: &Spec,
         person: Person,
     ) -> Result<ClosedLoop<R>, ReplayError> {
-        ClosedLoop::new(Beside::Until(recording.end(), recording.damage()), recording, spec, person)
+        ClosedLoop::new(Beside::end_of(recording), recording, spec, person, Runner::new)
+    }
+
+    /// The same with a controller that is wrong on purpose.
+    pub(crate) fn of_mutant(
+        recording: &Arc<Recording>,
+        spec: &Spec,
+        person: Person,
+        mutation: Mutation,
+    ) -> Result<ClosedLoop<R>, ReplayError> {
+        let runner = |setup: &Setup| Runner::mutant(setup, mutation);
+        ClosedLoop::new(Beside::end_of(recording), recording, spec, person, runner)
     }
 
     fn new(
@@ -64,12 +83,13 @@ impl<R: Read> ClosedLoop<R> {
         recording: &Arc<Recording>,
         spec: &Spec,
         person: Person,
+        runner: impl FnOnce(&Setup) -> Result<Runner, SpecError>,
     ) -> Result<ClosedLoop<R>, ReplayError> {
         let header = recording.header();
         let (sensors, start) = (sensors_of(header)?, header.run.start);
         let scenario = header.scenario.clone();
         let setup = Setup { spec: spec.clone(), scenario, sensors, start };
-        let runner = Runner::new(&setup)?;
+        let runner = runner(&setup)?;
         let simulation = Simulation::new(
             SimulationSetup {
                 // The controller goes by what the log claims; the robot does what it does.

@@ -42,7 +42,7 @@ pub use window::{WarmUp, Window};
 use std::io::Read;
 use std::sync::Arc;
 
-use controller::{Runner, Spec};
+use controller::{Mutation, Runner, Spec};
 use schemas::log::LogReader;
 use schemas::{Event, Stamped};
 
@@ -134,6 +134,20 @@ impl<R: Read + 'static> Replay<R> {
         person: Person,
     ) -> Result<Replay<R>, ReplayError> {
         let replay = closed::ClosedLoop::alone(recording, spec, person)?;
+        Ok(Replay(Kind::Closed(Box::new(replay))))
+    }
+
+    /// The same with a controller that is wrong on purpose.
+    ///
+    /// # Errors
+    /// As [`Replay::of_recording`].
+    pub fn of_mutant(
+        recording: &Arc<Recording>,
+        spec: &Spec,
+        person: Person,
+        mutation: Mutation,
+    ) -> Result<Replay<R>, ReplayError> {
+        let replay = closed::ClosedLoop::of_mutant(recording, spec, person, mutation)?;
         Ok(Replay(Kind::Closed(Box::new(replay))))
     }
 

@@ -97,6 +97,13 @@ impl Recording {
         Recording { plant: Some(plant), ..self }
     }
 
+    /// The same person with other noise in sensors and actuators.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Recording {
+        self.header.run.seed = seed;
+        self
+    }
+
     /// What ended the log before its end, where something did.
     pub(crate) fn damage(&self) -> Option<Arc<LogError>> {
         self.damage.clone()

@@ -8,15 +8,17 @@ use std::path::{Path, PathBuf};
 use ::compare::{
     ArmInfo, Comparison, Gate, GateFile, LevelPair, LogPair, Provenance, Question, Verdict, report,
 };
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
 use replay::Mode;
+use schemas::Header;
 
 use crate::cli::Common;
 use crate::command::replay::{HumanName, ModeName};
 use crate::controller_choice::ControllerChoice;
+use crate::self_test::{Answer, Ask};
 use crate::status::Status;
-use crate::{arm, fleet, interrupt, logs, output};
+use crate::{arm, fleet, interrupt, logs, output, self_test};
 
 /// Compare two controllers on the same recorded human behaviour.
 ///
@@ -31,17 +33,20 @@ In a pipeline:
   tandem compare --a tandem-kinematic --b tandem-kinematic:candidate.toml fixtures/*/session.mcap \\
       --gate gate.toml --report report/ --summary \"$GITHUB_STEP_SUMMARY\"
 
+Would it notice?
+  tandem compare --self-test --a tandem-kinematic
+
 Exit status: 0 better, worse or same; 1 failed; 3 undecided.
-With a gate: 0 passed, 1 failed, 3 undecided.")]
+With a gate: 0 passed, 1 failed, 3 undecided. With --self-test: 1 also when that is not passed.")]
 pub struct Compare {
     /// The controller to compare with
     #[arg(long, value_name = "C")]
     pub a: ControllerChoice,
-    /// The controller that is judged
-    #[arg(long, value_name = "C")]
-    pub b: ControllerChoice,
-    /// The logs
-    #[arg(required = true, value_name = "LOG")]
+    /// The controller that is judged [with --self-test: A itself]
+    #[arg(long, value_name = "C", required_unless_present = "self_test")]
+    pub b: Option<ControllerChoice>,
+    /// The logs [with --self-test alone: sessions of its own]
+    #[arg(value_name = "LOG", required_unless_present = "self_test")]
     pub logs: Vec<PathBuf>,
     /// Open loop (recorded sensors) or closed loop (recorded person, simulated robot)
     #[arg(long, value_enum, default_value_t = ModeName::Closed)]
@@ -58,6 +63,13 @@ pub struct Compare {
     /// Append the Markdown report to this file, for a step summary
     #[arg(long, value_name = "FILE")]
     pub summary: Option<PathBuf>,
+    /// Test the comparison itself: A against A, against mutants of A, and against A with other noise
+    #[arg(long)]
+    pub self_test: bool,
+    /// With --self-test: how many comparisons with other noise
+    #[arg(long, value_name = "N", default_value_t = 200, requires = "self_test",
+          value_parser = clap::value_parser!(u16).range(1..))]
+    pub alarms: u16,
 }
 
 impl Compare {
@@ -74,16 +86,25 @@ impl Compare {
         if interrupt::pressed() {
             return Ok(Status::Impossible);
         }
+        let tested = match &comparison.self_test {
+            Some(test) if !test.passed => Status::Differs,
+            _ => Status::Done,
+        };
+        Ok(self.status(&comparison).worse(tested))
+    }
+
+    /// What a comparison comes to as an exit status.
+    fn status(&self, comparison: &Comparison) -> Status {
         // A command that processed nothing has not found anything out, whatever the gate makes of it.
         let nothing = comparison.failed_logs() == comparison.logs.len();
         if let Some(gate) = comparison.gate.as_ref().filter(|_| !nothing) {
-            return Ok(match gate.outcome {
+            return match gate.outcome {
                 Gate::Pass | Gate::None => Status::Done,
                 Gate::Fail => Status::Differs,
                 Gate::Undecided => Status::Undecided,
-            });
+            };
         }
-        Ok(match comparison.verdict {
+        match comparison.verdict {
             Verdict::Better | Verdict::Worse | Verdict::Same => Status::Done,
             Verdict::Failed if nothing => {
                 let damaged =
@@ -92,7 +113,7 @@ impl Compare {
             }
             Verdict::Failed => Status::Differs,
             Verdict::Undecided => Status::Undecided,
-        })
+        }
     }
 
     /// Compares and writes the report, without telling; also the way in for `demo`.
@@ -111,30 +132,19 @@ impl Compare {
             Some(folder) => report_files(folder, common.force)?,
         };
         let gate = self.gate.as_deref().map(read_gate).transpose()?;
+        ensure!(!self.logs.is_empty() || self.b.is_none(), "no log to compare A and B on");
         self.refuse_copies()?;
-        let results = fleet::each(common, &self.logs, "comparing", |log| {
-            let pair = arm::pair(log, (&self.a, &self.b), &modes)?;
-            output::detail(common, || format!("{}: compared", pair.log));
-            Ok(pair)
-        });
-        let pairs: Vec<LogPair> = self
-            .logs
-            .iter()
-            .zip(results)
-            .map(|(log, result)| {
-                result.unwrap_or_else(|error| LogPair {
-                    log: log.display().to_string(),
-                    operator: String::new(),
-                    hash: String::new(),
-                    scenario: None,
-                    recorded: None,
-                    levels: vec![LevelPair::failed(&format!("{error:#}"))],
-                })
-            })
-            .collect();
+        let tested =
+            if self.self_test { Some(self.test(common, &modes, gate.clone())?) } else { None };
+        let provenance = self.provenance(tested.as_ref().map(|answer| &answer.header));
+        let (self_test, itself) = tested.map(|answer| (answer.test, answer.itself)).unzip();
+        let pairs = match (&self.b, itself) {
+            (None, Some(itself)) => itself,
+            _ => self.pairs(common, &modes),
+        };
         let question = Question {
             a: self.a.label().to_owned(),
-            b: self.b.label().to_owned(),
+            b: self.b().label().to_owned(),
             mode: modes.first().map_or("closed", |mode| mode.name()).to_owned(),
             human: modes
                 .iter()
@@ -143,10 +153,11 @@ impl Compare {
                     Mode::Closed(person) => Some(person.name().to_owned()),
                 })
                 .collect(),
-            provenance: self.provenance(),
+            provenance,
             gate,
         };
         let mut comparison = ::compare::compare(&question, pairs)?;
+        comparison.self_test = self_test;
         comparison.report = reports.iter().map(|path| path.display().to_string()).collect();
         for path in &reports {
             let text = match path.extension().and_then(|extension| extension.to_str()) {
@@ -169,10 +180,61 @@ impl Compare {
 }
 
 impl Compare {
+    /// The controller that is judged: A itself where only the comparison is tested.
+    fn b(&self) -> &ControllerChoice {
+        self.b.as_ref().unwrap_or(&self.a)
+    }
+
+    /// Both arms of every log.
+    fn pairs(&self, common: &Common, modes: &[Mode]) -> Vec<LogPair> {
+        let results = fleet::each(common, &self.logs, "comparing", |log| {
+            let pair = arm::pair(log, (&self.a, self.b()), modes)?;
+            output::detail(common, || format!("{}: compared", pair.log));
+            Ok(pair)
+        });
+        self.logs
+            .iter()
+            .zip(results)
+            .map(|(log, result)| {
+                result.unwrap_or_else(|error| LogPair {
+                    log: log.display().to_string(),
+                    operator: String::new(),
+                    hash: String::new(),
+                    scenario: None,
+                    recorded: None,
+                    levels: vec![LevelPair::failed(&format!("{error:#}"))],
+                })
+            })
+            .collect()
+    }
+
+    /// Tests the comparison itself, over the logs or over sessions of our own.
+    fn test(&self, common: &Common, modes: &[Mode], gate: Option<GateFile>) -> Result<Answer> {
+        let [Mode::Closed(person)] = modes else {
+            bail!(
+                "--self-test replays in closed loop, with one person: leave out --mode open and --human ladder"
+            );
+        };
+        let sessions = if self.logs.is_empty() {
+            self_test::built_in(common, &self.a)?
+        } else {
+            self_test::of_logs(common, &self.logs)?
+        };
+        let ask = Ask {
+            controller: &self.a,
+            sessions: &sessions,
+            person: *person,
+            gate,
+            comparisons: usize::from(self.alarms),
+        };
+        ask.answer(common)
+    }
+
     /// What runs this comparison, and the arms' parameters as they are on the first log that can be
-    /// read.
-    fn provenance(&self) -> Provenance {
-        let header = self.logs.iter().find_map(|log| Some(logs::open(log).ok()?.header().clone()));
+    /// read, or on the session that is given.
+    fn provenance(&self, session: Option<&Header>) -> Provenance {
+        let of_log = self.logs.iter().find_map(|log| Some(logs::open(log).ok()?.header().clone()));
+        let header = of_log.or_else(|| session.cloned());
         let arm = |choice: &ControllerChoice| {
             let header = header.as_ref()?;
             let params_toml = match choice {
@@ -187,7 +249,7 @@ impl Compare {
             commit: env!("TANDEM_COMMIT").to_owned(),
             dirty: env!("TANDEM_DIRTY") == "true",
             a: arm(&self.a).unwrap_or_default(),
-            b: arm(&self.b).unwrap_or_default(),
+            b: arm(self.b()).unwrap_or_default(),
             parameters: Vec::new(),
         }
     }

@@ -106,13 +106,15 @@ impl Demo {
         for (recorded_with, logs) in fleets {
             let compare = Compare {
                 a: "paper-kinematic".parse()?,
-                b: "tandem-kinematic".parse()?,
+                b: Some("tandem-kinematic".parse()?),
                 logs,
                 mode: ModeName::Closed,
                 human: HumanName::Playback,
                 gate: None,
                 report: Some(folder.join(format!("report-{recorded_with}"))),
                 summary: None,
+                self_test: false,
+                alarms: 0,
             };
             comparisons.push(ComparedLine { recorded_with, comparison: compare.compare(&quiet)? });
         }

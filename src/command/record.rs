@@ -243,14 +243,14 @@ pub fn scenario(name: &str) -> Result<Scenario> {
     Ok(simulator::scenario(name)?)
 }
 
-fn suite_name(sensors: SensorSuite) -> &'static str {
+pub fn suite_name(sensors: SensorSuite) -> &'static str {
     match sensors {
         SensorSuite::Exact => "exact",
         SensorSuite::Sonar => "sonar",
     }
 }
 
-fn driver_name(driver: Driver) -> &'static str {
+pub fn driver_name(driver: Driver) -> &'static str {
     match driver {
         Driver::Goal => "goal",
         Driver::Script => "script",

@@ -9,4 +9,5 @@ mod help;
 mod interruption;
 mod plot;
 mod program;
+mod self_test;
 mod side_by_side;

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::diff::FirstCause;
 use crate::metrics::{Better, Group, Track, Violation, ViolationKind};
+use crate::self_test::SelfTest;
 use crate::statistics::Interval;
 
 /// What a comparison comes to.
@@ -396,6 +397,9 @@ pub struct Comparison {
     pub violations: Vec<ViolationRecord>,
     /// Where the changes come from, by log; within a log the largest share first.
     pub moments: Vec<Moment>,
+    /// What a test of the comparison itself found, where one was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub self_test: Option<SelfTest>,
     /// Where the reports were written.
     pub report: Vec<String>,
     /// What the reports draw.

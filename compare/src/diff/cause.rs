@@ -2,7 +2,9 @@
 //!
 //! A step's quantities cause one another in the order input → estimate → distances → reference →
 //! law → sharing → command. Among the differences at the earliest time, the one at the earliest
-//! stage is the cause of the others; whatever differs later may be a consequence.
+//! stage is the cause of the others; whatever differs later may be a consequence. The target belongs
+//! to the reference and yet comes before the distances, since these are measured in a frame that turns
+//! with it.
 
 use std::fmt::Write;
 
@@ -11,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::field::Row;
 use super::reading::Reading;
-use crate::report::{number, with_unit};
+use crate::report::{number, told_apart, with_unit};
 
 /// The earliest difference, and at that time the one at the earliest stage of the data flow.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,15 +39,15 @@ pub struct FirstCause {
 pub(super) struct Candidate {
     /// Nanoseconds from the start.
     pub(super) key: i128,
-    pub(super) node: Node,
+    pub(super) rank: (Node, bool),
     /// Position of the row, for two at the same stage.
     pub(super) order: usize,
     pub(super) cause: FirstCause,
 }
 
 impl Candidate {
-    fn rank(&self) -> (i128, Node, usize) {
-        (self.key, self.node, self.order)
+    fn rank(&self) -> (i128, (Node, bool), usize) {
+        (self.key, self.rank, self.order)
     }
 }
 
@@ -61,7 +63,7 @@ impl First {
     /// Whether a difference there would come before the first one so far.
     pub(super) fn is_beaten_by(&self, key: i128, row: &Row, order: usize) -> bool {
         let so_far = if row.hidden_state { &self.hidden } else { &self.quantity };
-        so_far.as_ref().is_none_or(|first| (key, row.node, order) < first.rank())
+        so_far.as_ref().is_none_or(|first| (key, row.rank(), order) < first.rank())
     }
 
     pub(super) fn take(&mut self, candidate: Candidate, hidden_state: bool) {
@@ -74,6 +76,15 @@ impl First {
     }
 }
 
+/// One reading, where the other is no number.
+fn shown(reading: &Reading, unit: &str) -> String {
+    match reading {
+        Reading::Number(x) if x.is_nan() => "NaN".to_owned(),
+        Reading::Number(x) if x.is_finite() => with_unit(&number(Some(*x)), unit),
+        other => other.to_string(),
+    }
+}
+
 /// The sentence of a first cause.
 pub(super) fn sentence(
     t_s: f64,
@@ -81,23 +92,18 @@ pub(super) fn sentence(
     (a, b): (&Reading, &Reading),
     said: Option<(&str, &str)>,
 ) -> String {
-    // A report's digits, unless it takes more of them to tell the two apart.
-    let short = |reading: &Reading| match reading {
-        Reading::Number(x) => number(Some(*x)),
-        other => other.to_string(),
-    };
-    let full = short(a) == short(b);
-    let shown = |reading: &Reading| match reading {
-        Reading::Number(x) if x.is_nan() => "NaN".to_owned(),
-        Reading::Number(x) if x.is_finite() => {
-            with_unit(&if full { x.to_string() } else { short(reading) }, &row.unit)
+    let (a, b) = match (a, b) {
+        (Reading::Number(a), Reading::Number(b)) if a.is_finite() && b.is_finite() => {
+            let (a, b) = told_apart(*a, *b);
+            (with_unit(&a, &row.unit), with_unit(&b, &row.unit))
         }
-        other => other.to_string(),
+        _ => (shown(a, &row.unit), shown(b, &row.unit)),
     };
-    let (a, b) = (shown(a), shown(b));
     let mut text = format!("at {t_s:.3} s {} is {a} in A and {b} in B", row.name);
     if row.hidden_state {
         text.push_str("; no quantity differs, only the controllers' hidden state");
+    } else if row.is_target() {
+        text.push_str("; nothing that the target follows from differs up to then");
     } else if row.node != Node::Input {
         text.push_str("; everything before the stage `");
         text.push_str(row.node.name());

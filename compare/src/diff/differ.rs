@@ -340,7 +340,7 @@ fn candidate(
         b,
         reason,
     };
-    Candidate { key, node: row.node, order, cause }
+    Candidate { key, rank: row.rank(), order, cause }
 }
 
 /// Compares two runs, reading each no further ahead than the other.

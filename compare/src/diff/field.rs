@@ -17,6 +17,23 @@ pub(super) struct Row {
     pub(super) hidden_state: bool,
 }
 
+/// What the target is told by. It follows from request and estimate alone, and the frame in which
+/// distances are measured follows from it.
+const TARGET: [&str; 5] =
+    ["reference_source", "target_x_m", "target_y_m", "target_vx_mps", "target_vy_mps"];
+
+impl Row {
+    /// Whether it tells of the target.
+    pub(super) fn is_target(&self) -> bool {
+        TARGET.contains(&self.name.as_str())
+    }
+
+    /// Where it stands among causes: by its stage, but for the target, which the distances follow from.
+    pub(super) fn rank(&self) -> (Node, bool) {
+        if self.is_target() { (Node::Estimate, true) } else { (self.node, false) }
+    }
+}
+
 /// The rows of a step: its index, then every field's components in causal order.
 pub(super) fn step_rows() -> Vec<Row> {
     // The values of any step tell which fields have several components.

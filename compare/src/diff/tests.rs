@@ -190,6 +190,30 @@ fn the_first_cause_is_earliest_in_time_then_in_the_data_flow() {
     assert_eq!(diff.fields[6].unit, "rad/s");
 }
 
+/// The frame of the distances turns with the target: where both differ at once the target is the cause.
+/// What the target follows from still comes before it.
+#[test]
+fn the_target_comes_before_the_distances_that_follow_from_it() {
+    let wrong = |estimate: f64| {
+        with_step(run(), 1, |step| {
+            step.psi_rad = 0.5;
+            step.d1_m = 0.7;
+            step.target_vx_mps = 0.25;
+            step.d_r1_m = 0.3;
+            step.pose.y_m = estimate;
+        })
+    };
+    let cause = |a: &Run, b: &Run| exact(a, b).first_cause.expect("something differs");
+    let (right, straying) = (with_step(run(), 1, |step| step.pose.y_m = 0.0), wrong(1.0));
+    let of_target = cause(&right, &wrong(0.0));
+    assert_eq!((of_target.node.as_str(), of_target.field.as_str()), ("reference", "target_vx_mps"));
+    assert!(of_target.reason.contains("nothing that the target follows from"));
+    assert_eq!(cause(&right, &straying).node, "estimate");
+    // Other quantities of the reference come after the distances.
+    let both = with_step(run(), 1, |step| (step.d1_m, step.d_r1_m) = (0.7, 0.3));
+    assert_eq!(cause(&run(), &both).node, "distances");
+}
+
 /// A sentence has the digits of a report, or as many as it takes to tell the two apart.
 #[test]
 fn a_sentence_tells_the_values_apart() {

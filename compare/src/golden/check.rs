@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::summary::Golden;
 use crate::diff::{Diff, FieldDifference};
-use crate::report::{number, with_unit};
+use crate::report::{number, told_apart, with_unit};
 
 /// Most fields that a problem names beside the first cause.
 const MOST_FIELDS: usize = 5;
@@ -135,7 +135,11 @@ fn metrics(golden: &Golden, today: &Golden) -> Option<String> {
         .into_iter()
         .filter_map(|name| {
             let (was, is) = (golden.metrics.get(name).copied(), today.metrics.get(name).copied());
-            (was != is).then(|| format!("{name} {} instead of {}", number(is), number(was)))
+            let (was_text, is_text) = match (was, is) {
+                (Some(was), Some(is)) => told_apart(was, is),
+                _ => (number(was), number(is)),
+            };
+            (was != is).then(|| format!("{name} {is_text} instead of {was_text}"))
         })
         .collect();
     (!changed.is_empty()).then(|| format!("metrics changed: {}", changed.join(", ")))

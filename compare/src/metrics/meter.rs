@@ -70,6 +70,14 @@ pub struct Measured {
     pub track: Track,
 }
 
+impl Measured {
+    /// The numbers alone, without the path and without when they grew.
+    #[must_use]
+    pub fn bare(self) -> Measured {
+        Measured { profile: Profile::new(), track: Track::new(), ..self }
+    }
+}
+
 /// Reads a run event by event and measures it.
 pub struct Meter {
     start: Time,

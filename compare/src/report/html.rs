@@ -14,6 +14,7 @@ use super::honest::{Caveat, caveats};
 use super::map::{Map, map};
 use super::plot::{Timeline, timeline};
 use super::samples::samples;
+use super::self_test::SelfTestView;
 use super::view::{GateRow, LevelRow, LogRow, MetricRow, MomentRow, View, ViolationRow};
 use crate::CompareError;
 use crate::comparison::{Comparison, MetricChange, ViolationRecord};
@@ -59,6 +60,7 @@ struct Page {
     caveats: Vec<Caveat>,
     gate: Vec<GateRow>,
     levels: Vec<LevelRow>,
+    self_test: Option<SelfTestView>,
     logs: Vec<Log>,
     drawn: usize,
     points: usize,
@@ -156,6 +158,7 @@ impl Page {
             script_hash: SCRIPT_HASH,
             gate: view.gate,
             levels: view.levels,
+            self_test: view.self_test,
             violations: at(view.violations, |row| index(&row.log)),
             moments: at(view.moments, |row| index(&row.log)),
         }

@@ -47,8 +47,22 @@ pub fn junit(comparison: &Comparison) -> String {
         };
         case(&mut cases, "gate", &metric.name, &verdict, None);
     }
-    let tests =
+    let mut tests =
         view.logs.len() + comparison.metrics.iter().filter(|m| m.gate != Gate::None).count();
+    if let Some(test) = &view.self_test {
+        tests += 1;
+        let mut output = String::new();
+        for (name, value) in &test.facts {
+            let _ = writeln!(output, "{name}: {value}");
+        }
+        for mutant in &test.mutants {
+            let _ = writeln!(output, "{}", mutant.cells().join(", "));
+        }
+        let passed = test.state == "passed";
+        failures += usize::from(!passed);
+        let verdict = if passed { String::new() } else { element("failure", &test.reason) };
+        case(&mut cases, "self-test", "self-test", &verdict, Some(&output));
+    }
     let counts = format!(
         "tests=\"{tests}\" failures=\"{failures}\" errors=\"{errors}\" skipped=\"{skipped}\""
     );

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::self_test::{MUTANT_ALIGNS, MUTANT_HEAD, MutantRow};
 use super::table::{Align, in_cell, markdown as table};
 use super::view::{METRIC_ALIGNS, METRIC_HEAD, MetricRow, View};
 use crate::comparison::Comparison;
@@ -38,24 +39,9 @@ pub fn markdown(comparison: &Comparison) -> String {
     }
     text.push_str(".\n");
 
-    if !view.gate.is_empty() {
-        text.push_str("\n### Gate\n\n");
-        let mut rows = vec![["metric", "gate", "why"].map(str::to_owned).to_vec()];
-        rows.extend(
-            view.gate.iter().map(|g| vec![g.metric.clone(), g.gate.to_owned(), g.reason.clone()]),
-        );
-        text.push_str(&table(&[Left; 3], &rows));
-    }
-    if !view.levels.is_empty() {
-        text.push_str("\n### Levels of the ladder\n\n");
-        let head = ["metric", "human", "counts as", "A", "B", "B - A", "95 % interval"];
-        let mut rows = vec![head.map(str::to_owned).to_vec()];
-        rows.extend(view.levels.iter().map(|l| {
-            let counts = l.estimates.to_owned();
-            [&l.metric, &l.human, &counts, &l.a, &l.b, &l.delta, &l.ci].map(Clone::clone).to_vec()
-        }));
-        text.push_str(&table(&[Left, Left, Left, Right, Right, Right, Right], &rows));
-    }
+    text.push_str(&gate(&view));
+    text.push_str(&levels(&view));
+    text.push_str(&tested(&view));
     let (in_a, in_b, new) = view.violation_counts;
     let _ = writeln!(text, "\n### Violations: {in_a} in A, {in_b} in B, {new} held against B\n");
     if !view.violations.is_empty() {
@@ -103,6 +89,49 @@ pub fn markdown(comparison: &Comparison) -> String {
     }));
     text.push_str(&table(&[Left; 4], &rows));
     text.push_str(&left_out(view.logs.len()));
+    text
+}
+
+/// What the gate says of each metric.
+fn gate(view: &View) -> String {
+    if view.gate.is_empty() {
+        return String::new();
+    }
+    let mut rows = vec![["metric", "gate", "why"].map(str::to_owned).to_vec()];
+    rows.extend(
+        view.gate.iter().map(|g| vec![g.metric.clone(), g.gate.to_owned(), g.reason.clone()]),
+    );
+    format!("\n### Gate\n\n{}", table(&[Align::Left; 3], &rows))
+}
+
+/// The primary metrics at each level of the ladder.
+fn levels(view: &View) -> String {
+    use Align::{Left, Right};
+    if view.levels.is_empty() {
+        return String::new();
+    }
+    let head = ["metric", "human", "counts as", "A", "B", "B - A", "95 % interval"];
+    let mut rows = vec![head.map(str::to_owned).to_vec()];
+    rows.extend(view.levels.iter().map(|l| {
+        let counts = l.estimates.to_owned();
+        [&l.metric, &l.human, &counts, &l.a, &l.b, &l.delta, &l.ci].map(Clone::clone).to_vec()
+    }));
+    let aligns = [Left, Left, Left, Right, Right, Right, Right];
+    format!("\n### Levels of the ladder\n\n{}", table(&aligns, &rows))
+}
+
+/// What a test of the comparison itself found.
+fn tested(view: &View) -> String {
+    let Some(test) = &view.self_test else { return String::new() };
+    let mut text =
+        format!("\n### Self-test {} {}\n\n{}\n\n", test.mark, test.state, in_cell(&test.reason));
+    for (name, value) in &test.facts {
+        let _ = writeln!(text, "- **{name}**: {}", in_cell(value));
+    }
+    text.push('\n');
+    let mut rows = vec![MUTANT_HEAD.map(str::to_owned).to_vec()];
+    rows.extend(test.mutants.iter().map(MutantRow::cells));
+    text.push_str(&table(&MUTANT_ALIGNS, &rows));
     text
 }
 

@@ -29,6 +29,40 @@ pub fn signed(x: Option<f64>) -> String {
     if x.is_some_and(|x| x > 0.0) { format!("+{text}") } else { text }
 }
 
+/// Two numbers with as many digits as it takes to tell them apart: a report's digits where these do.
+pub fn told_apart(a: f64, b: f64) -> (String, String) {
+    let short = (number(Some(a)), number(Some(b)));
+    // By value: 1 and 1.000 read the same.
+    let read = |text: &str| text.parse::<f64>().ok();
+    if read(&short.0) != read(&short.1) || a == b {
+        return short;
+    }
+    // Where a dozen digits do not, the shortest form that reads back as the same number does.
+    let size = libm::fabs(a);
+    let plain = (0.001..1e5).contains(&size);
+    (4..=12_i32)
+        .map(|digits| {
+            let print = |x: f64| {
+                if plain {
+                    let before = 1 + libm::floor(libm::log10(size)) as i32;
+                    let after = (digits - before).max(0) as usize;
+                    let text = format!("{x:.after$}");
+                    // A number that is round stays so.
+                    if after == 0 {
+                        text
+                    } else {
+                        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+                    }
+                } else {
+                    format!("{x:.digits$e}", digits = digits as usize - 1)
+                }
+            };
+            (print(a), print(b))
+        })
+        .find(|(a, b)| a != b)
+        .unwrap_or_else(|| (a.to_string(), b.to_string()))
+}
+
 /// A time to a hundredth of a second.
 pub(crate) fn seconds(t_s: f64) -> String {
     format!("{t_s:.2} s")
@@ -66,6 +100,16 @@ mod tests {
         assert_eq!(signed(Some(-0.5)), "-0.500");
         assert_eq!(signed(Some(0.0)), "0");
         assert_eq!(signed(None), "–");
+        let apart = |a, b| {
+            let (a, b) = told_apart(a, b);
+            format!("{a} {b}")
+        };
+        assert_eq!(apart(0.5, 0.25), "0.500 0.250");
+        assert_eq!(apart(0.403_12, 0.403_14), "0.40312 0.40314");
+        assert_eq!(apart(-0.451_998_2, -0.452), "-0.451998 -0.452");
+        assert_eq!(apart(1.7731e-9, 1.7738e-9), "1.773e-9 1.774e-9");
+        assert_eq!(apart(144.81, 144.84), "144.81 144.84");
+        assert_eq!(apart(1.0, 1.0 + f64::EPSILON), "1 1.0000000000000002");
         assert_eq!(with_unit("1", "m"), "1 m");
         assert_eq!(with_unit("–", "m"), "–");
     }

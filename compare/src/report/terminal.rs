@@ -5,6 +5,7 @@ use std::fmt::Write;
 
 use schemas::Node;
 
+use super::self_test::{MUTANT_ALIGNS, MUTANT_HEAD, MutantRow};
 use super::table::{Align, columns};
 use super::view::{METRIC_ALIGNS, METRIC_HEAD, MomentRow, View, ViolationRow};
 use crate::comparison::Comparison;
@@ -34,6 +35,7 @@ pub fn terminal(comparison: &Comparison) -> String {
 
     text.push_str(&gate(&view));
     text.push_str(&levels(&view));
+    text.push_str(&tested(&view));
     let (in_a, in_b, new) = view.violation_counts;
     let _ = writeln!(text, "violations: {in_a} in A, {in_b} in B, {new} held against B");
     text.push_str(&violations(&view.violations));
@@ -94,6 +96,20 @@ fn levels(view: &View) -> String {
     );
     let aligns = [Left, Left, Left, Left, Right, Right, Right, Right];
     format!("levels of the ladder\n{}\n", columns(&aligns, &rows))
+}
+
+/// What a test of the comparison itself found.
+fn tested(view: &View) -> String {
+    let Some(test) = &view.self_test else { return String::new() };
+    let mut text = format!("self-test {} {}: {}\n", test.mark, test.state, test.reason);
+    let facts: Vec<Vec<String>> =
+        test.facts.iter().map(|(name, value)| row(&["", name, value])).collect();
+    text.push_str(&columns(&[Align::Left; 3], &facts));
+    let mut rows = vec![MUTANT_HEAD.map(str::to_owned).to_vec()];
+    rows.extend(test.mutants.iter().map(MutantRow::cells));
+    text.push_str(&columns(&MUTANT_ALIGNS, &rows));
+    text.push('\n');
+    text
 }
 
 fn violations(all: &[ViolationRow]) -> String {

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use super::number::{number, seconds, signed, with_unit};
+use super::self_test::{SelfTestView, self_test};
 use super::table::Align;
 use crate::comparison::{
     Arm, Comparison, Gate, Indication, LogStatus, MetricChange, Moment, ViolationRecord,
@@ -36,6 +37,8 @@ pub(super) struct View {
     pub(super) gate: Vec<GateRow>,
     /// Each level of the ladder, where there are several: the primary metrics.
     pub(super) levels: Vec<LevelRow>,
+    /// What a test of the comparison itself found.
+    pub(super) self_test: Option<SelfTestView>,
 }
 
 /// One gated metric.
@@ -175,6 +178,7 @@ impl View {
             logs: log_rows(comparison),
             gate: gate_rows(comparison),
             levels: level_rows(comparison),
+            self_test: comparison.self_test.as_ref().map(self_test),
         }
     }
 

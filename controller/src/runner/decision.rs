@@ -30,7 +30,7 @@ pub(super) struct Facts<'a> {
 impl Runner {
     /// Decides, and notes everything in the step.
     pub(super) fn decide(&mut self, facts: &Facts<'_>, step: &mut Step) {
-        let Runner { setup, senses, memory, near, .. } = self;
+        let Runner { setup, senses, memory, near, planted, .. } = self;
         let setup: &Setup = setup;
         let Setup { spec, scenario, sensors, .. } = setup;
         let Facts { request, pose, speeds, t_s, blocked, shield } = *facts;
@@ -47,6 +47,7 @@ impl Runner {
         };
         memory.keep_target(params, requested, &scenario.plant, &mut target);
         memory.face(params.reverse_law, requested[0]);
+        planted.target(&mut target);
         step.reference_source = target.source;
         [step.target_x_m, step.target_y_m] = target.position_m;
         [step.target_vx_mps, step.target_vy_mps] = target.velocity_mps;
@@ -57,7 +58,7 @@ impl Runner {
         let mut reason = Reason::PoseInvalid;
         (step.region, step.danger) = (Region::Danger, 1.0);
         if pose.is_finite() {
-            feedback = view.feedback(memory, step);
+            feedback = view.feedback(memory, planted, step);
             let (mode, b1_m, b2_m) = params.question(scenario.task.is_some());
             let margin = params.margin_applies(*sensors);
             let free_plant = scenario.task.is_none().then_some(&scenario.plant);
@@ -72,7 +73,7 @@ impl Runner {
                 shield,
                 free_plant,
             };
-            reason = view.share(&question, memory, step);
+            reason = view.share(&question, memory, planted, step);
         }
 
         if law == Law::Human {

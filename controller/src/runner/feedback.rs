@@ -8,6 +8,7 @@ use super::memory::Memory;
 use super::reverse::{mirrored_plan, mirrored_scene};
 use super::senses::Senses;
 use crate::frame::{Aim, Framed, frame};
+use crate::mutation::Planted;
 use crate::params::Params;
 use crate::plan::{Plan, Scene, plan};
 use crate::safety::Near;
@@ -38,15 +39,22 @@ pub(super) struct View<'a> {
 
 impl View<'_> {
     /// The feedback input.
-    pub(super) fn feedback(&self, memory: &mut Memory, step: &mut Step) -> Feedback {
+    pub(super) fn feedback(
+        &self,
+        memory: &mut Memory,
+        planted: &mut Planted,
+        step: &mut Step,
+    ) -> Feedback {
         let framed = self.frame(memory.psi_rad);
-        let scene = self.scene(&framed);
-        let (scene, plan) = if memory.mirrored {
+        let mut scene = self.scene(&framed);
+        planted.scene(&mut scene);
+        let (scene, mut plan) = if memory.mirrored {
             let scene = mirrored_scene(scene);
             (scene, mirrored_plan(&plan(self.law, self.params, &scene, &memory.past)))
         } else {
             (scene, plan(self.law, self.params, &scene, &memory.past))
         };
+        plan.u = planted.feedback(plan.u);
         memory.psi_rad = Some(framed.psi_rad);
         memory.past = plan.past();
         note_frame(step, &framed, &scene);

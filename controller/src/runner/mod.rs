@@ -22,6 +22,7 @@ use schemas::{
 
 use crate::digest::Digest;
 use crate::estimation::Estimate;
+use crate::mutation::{Mutation, Planted};
 use crate::safety::{Drive, Moving, Near, Shield};
 use crate::spec::{Law, SpecError};
 use decision::Facts;
@@ -59,6 +60,7 @@ pub struct Runner {
     /// What was observed since the previous step.
     heard: Digest,
     index: u64,
+    planted: Planted,
 }
 
 impl Runner {
@@ -79,7 +81,16 @@ impl Runner {
             near: Senses::room_for_near(&setup.scenario, setup.sensors),
             heard: Digest::default(),
             index: 0,
+            planted: Planted::default(),
         })
+    }
+
+    /// A runner that is wrong on purpose: never for driving, only to see whether a comparison notices.
+    ///
+    /// # Errors
+    /// As [`Runner::new`].
+    pub fn mutant(setup: &Setup, mutation: Mutation) -> Result<Runner, SpecError> {
+        Ok(Runner { planted: Planted::new(mutation), ..Runner::new(setup)? })
     }
 
     /// Takes note of a sample. The last one of each kind counts, in the order in which they come;
@@ -88,7 +99,7 @@ impl Runner {
         hashing::fold_sample(&mut self.heard, sample, self.setup.start);
         match sample {
             Sample::Joystick(joystick) => self.joystick = Some(*joystick),
-            other => self.senses.observe(other),
+            other => self.senses.observe(self.planted.sample(other).as_ref().unwrap_or(other)),
         }
     }
 
@@ -107,7 +118,7 @@ impl Runner {
         self.index += 1;
 
         let request = Request::new(self.joystick.as_ref(), now, params.joystick_lease_s);
-        let estimate = self.senses.estimate();
+        let estimate = self.planted.estimate(self.senses.estimate());
         let odometry_age_s = estimate.stamp.map_or(f64::NAN, |stamp| now.seconds_since(stamp));
         step.control_period_s = params.control_period_s;
         if let Some(joystick) = &self.joystick {
@@ -149,6 +160,7 @@ impl Runner {
         let blocked = self.blocked(&estimate, odometry_age_s, t_s);
         let facts = Facts { request: &request, pose: &pose, speeds, t_s, blocked, shield };
         self.decide(&facts, &mut step);
+        self.planted.command(&mut step);
         let command = self.command(now, &step, speeds);
         self.underway.give(
             now,

@@ -4,6 +4,7 @@ use schemas::{Plant, Reason, Region, Step};
 
 use super::feedback::View;
 use super::memory::Memory;
+use crate::mutation::Planted;
 use crate::safety::Shield;
 use crate::sharing::{Patience, Sets, another_request, classify_printed, classify_total, danger};
 use crate::spec::Law;
@@ -71,6 +72,7 @@ impl View<'_> {
         &self,
         question: &Question<'_>,
         memory: &mut Memory,
+        planted: &Planted,
         step: &mut Step,
     ) -> Reason {
         let params = self.params;
@@ -81,7 +83,7 @@ impl View<'_> {
             verdict = verdict.worse(self.verdict(question, self.speeds));
         }
         let d_m = verdict.d_m;
-        let mut region = verdict.region;
+        let mut region = planted.region(verdict.region);
         let next = memory.switch.next(region);
         let altered = next.human
             && question.shield.is_some_and(|shield| !self.harmless(question.u_h, &shield));

@@ -1,0 +1,102 @@
+//! The sessions that a self-test is over: logs that are given, or sessions of its own.
+
+use std::io::Cursor;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result};
+use controller::{Runner, Setup};
+use replay::Recording;
+use schemas::log::{LogReader, LogWriter, WriterOptions};
+use schemas::{RunInfo, SIMULATION_EPOCH, SensorSuite, Span, Time};
+use simulator::{Simulation, SimulationSetup};
+
+use crate::cli::Common;
+use crate::command::record::{driver_name, scenario, suite_name};
+use crate::controller_choice::ControllerChoice;
+use crate::{fleet, logs};
+
+/// Rooms and people, and how many sessions of each.
+const KINDS: [&str; 6] =
+    ["rect:goal", "rect:joystick", "slant:goal", "slant:joystick", "disc:goal", "disc:joystick"];
+const OF_EACH_KIND: u32 = 4;
+
+/// A session, with the person in it.
+pub struct Session {
+    /// Its name in reports.
+    pub name: String,
+    /// BLAKE3 of its file; empty for a session of our own.
+    pub hash: String,
+    /// The person.
+    pub recording: Arc<Recording>,
+}
+
+impl Session {
+    /// When it began.
+    pub fn start(&self) -> Time {
+        self.recording.header().run.start
+    }
+}
+
+/// The logs that are given.
+pub fn of_logs(common: &Common, paths: &[PathBuf]) -> Result<Vec<Session>> {
+    fleet::each(common, paths, "reading", |path| {
+        let name = || path.display().to_string();
+        let recording = Recording::read(logs::open(path)?).with_context(name)?;
+        Ok(Session { name: name(), hash: logs::hash_file(path)?, recording: Arc::new(recording) })
+    })
+    .into_iter()
+    .collect()
+}
+
+/// Sessions of our own: random rooms with sixteen faulty sonars, recorded with the controller that is
+/// tested.
+pub fn built_in(common: &Common, controller: &ControllerChoice) -> Result<Vec<Session>> {
+    let mut names = Vec::new();
+    for kind in KINDS {
+        names.extend((1..=OF_EACH_KIND).map(|number| format!("random:{kind}:{number}")));
+    }
+    let recorded = fleet::each(common, &names, "recording", |name| record(name, controller));
+    recorded.into_iter().collect()
+}
+
+/// Records a session into memory.
+fn record(name: &str, controller: &ControllerChoice) -> Result<Session> {
+    let scenario = scenario(name)?;
+    let spec = controller.for_scenario(&scenario)?;
+    let (sensors, start, seed) = (SensorSuite::Sonar, SIMULATION_EPOCH, 0);
+    let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
+    let runner = Runner::new(&setup)?;
+    let human = simulator::driver(&scenario, scenario.driver, seed)?;
+    let period = runner.control_period();
+    let simulation = Simulation::new(
+        SimulationSetup {
+            duration: Span::from_seconds(scenario.duration_s),
+            scenario: scenario.clone(),
+            sensors,
+            seed,
+            start,
+            control_period: period,
+        },
+        human,
+    )?;
+    let run = RunInfo {
+        seed,
+        sensors: suite_name(sensors).to_owned(),
+        driver: driver_name(scenario.driver).to_owned(),
+        mode: "record".to_owned(),
+        ..RunInfo::default()
+    };
+    let header = logs::header(&spec, scenario, start, period, run);
+    let options = WriterOptions { view: false, ..WriterOptions::offline() };
+    let mut log = LogWriter::new(Vec::new(), &header, &options)?;
+    let mut session = controller::Session::new(simulation, runner);
+    loop {
+        let Ok(event) = session.next_event();
+        let Some(event) = event else { break };
+        log.write(&event)?;
+    }
+    let (bytes, _) = log.finish()?;
+    let recording = Recording::read(LogReader::new(Cursor::new(bytes))?)?;
+    Ok(Session { name: name.to_owned(), hash: String::new(), recording: Arc::new(recording) })
+}
