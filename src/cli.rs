@@ -56,30 +56,18 @@ pub enum Format {
 
 #[derive(Subcommand)]
 pub enum Command {
-    /// The whole story in a minute: record, replay, compare, report
     Demo(command::demo::Demo),
-    /// Record a session into a log
     Record(command::record::Record),
-    /// Replay logs into a controller, open or closed loop
     Replay(command::replay::Replay),
-    /// What differs between two runs, field by field, and what differed first
     Diff(command::diff::Diff),
-    /// Compare two controllers on the same recorded human behaviour
     Compare(command::compare::Compare),
-    /// Measure runs, or list and explain the metrics
     Metrics(command::metrics::Metrics),
     Explain(command::explain::Explain),
     Plot(command::plot::Plot),
-    /// Replay every fixture and compare it with its golden result
     Check(command::check::Check),
-    /// Accept today's results as the golden ones, and keep the reason
     Approve(command::approve::Approve),
-    /// What a log holds
     Info(command::info::Info),
-    /// The scenarios there are to record
     Scenarios(command::list::Scenarios),
-    /// The controllers there are, or one controller's parameters
     Controllers(command::list::Controllers),
-    /// The topics of a log
     Topics(command::list::Topics),
 }

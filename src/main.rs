@@ -6,6 +6,7 @@
 )]
 
 mod arm;
+mod attribution;
 mod cli;
 mod command;
 mod controller_choice;

@@ -10,11 +10,11 @@ use compare::golden::Golden;
 use serde::Serialize;
 
 use crate::cli::Common;
-use crate::fixture::{self, Fixture};
-use crate::output;
+use crate::fixture::{self, Fixture, Today};
 use crate::status::Status;
+use crate::{interrupt, output};
 
-/// Accept what the fixtures give today as their golden results, and keep the reason beside them.
+/// Accept today's results as the golden ones, and keep the reason.
 ///
 /// Fixtures whose result has not changed are left as they are.
 #[derive(Args)]
@@ -35,13 +35,29 @@ struct Report {
 
 impl Approve {
     pub fn run(&self, common: &Common) -> Result<Status> {
+        let fixtures = fixture::find(&self.folder)?;
+        let name = |fixture: &Fixture| fixture.folder.display().to_string();
+        // Everything is worked out before anything is written: a fixture that fails leaves all of them
+        // as they were.
+        let (mut changes, mut bad) = (Vec::new(), Vec::new());
+        for fixture in &fixtures {
+            interrupt::check()?;
+            match self.change(fixture).with_context(|| name(fixture)) {
+                Ok(change) => changes.push((fixture, change)),
+                Err(error) => bad.push(error),
+            }
+        }
+        if let Some(last) = bad.pop() {
+            bad.iter().for_each(output::error);
+            return Err(last.context("nothing was approved"));
+        }
         let mut report = Report { approved: Vec::new(), unchanged: Vec::new() };
-        for fixture in fixture::find(&self.folder)? {
-            let name = fixture.folder.display().to_string();
-            if self.approve(&fixture).with_context(|| name.clone())? {
-                report.approved.push(name);
+        for (fixture, change) in changes {
+            if let Some((today, golden)) = change {
+                fixture.write(&today, &golden).with_context(|| name(fixture))?;
+                report.approved.push(name(fixture));
             } else {
-                report.unchanged.push(name);
+                report.unchanged.push(name(fixture));
             }
         }
         output::print(common, &report, |report| {
@@ -52,8 +68,8 @@ impl Approve {
         Ok(Status::Done)
     }
 
-    /// Whether anything was to be approved.
-    fn approve(&self, fixture: &Fixture) -> Result<bool> {
+    /// What is to be written; `None` where nothing has changed.
+    fn change(&self, fixture: &Fixture) -> Result<Option<(Today, Golden)>> {
         let today = fixture.replay()?;
         let path = fixture.golden_toml();
         let older = match fs::read_to_string(&path) {
@@ -64,10 +80,9 @@ impl Approve {
         let unchanged = older.as_ref().is_some_and(|older| today.golden.same_result(older));
         // A golden run that cannot be read is written anew.
         if unchanged && fixture.diff(&today).is_ok_and(|diff| diff.same) {
-            return Ok(false);
+            return Ok(None);
         }
         let golden = today.golden.clone().approved(older.as_ref(), &self.reason)?;
-        fixture.write(&today, &golden)?;
-        Ok(true)
+        Ok(Some((today, golden)))
     }
 }

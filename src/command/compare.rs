@@ -18,7 +18,7 @@ use crate::command::replay::{HumanName, ModeName};
 use crate::controller_choice::ControllerChoice;
 use crate::self_test::{Answer, Ask};
 use crate::status::Status;
-use crate::{arm, fleet, interrupt, logs, output, self_test};
+use crate::{arm, attribution, fleet, interrupt, logs, output, self_test};
 
 /// Compare two controllers on the same recorded human behaviour.
 ///
@@ -63,6 +63,9 @@ pub struct Compare {
     /// Append the Markdown report to this file, for a step summary
     #[arg(long, value_name = "FILE")]
     pub summary: Option<PathBuf>,
+    /// Swap each parameter that differs from A to B alone, and back: which of them makes the difference
+    #[arg(long, requires = "b")]
+    pub attribute: bool,
     /// Test the comparison itself: A against A, against mutants of A, and against A with other noise
     #[arg(long)]
     pub self_test: bool,
@@ -158,6 +161,13 @@ impl Compare {
         };
         let mut comparison = ::compare::compare(&question, pairs)?;
         comparison.self_test = self_test;
+        if self.attribute {
+            let estimates =
+                |mode: &&Mode| matches!(mode, Mode::Closed(person) if person.is_estimate());
+            let mode = modes.iter().find(estimates).or(modes.first()).unwrap_or(&Mode::Open);
+            comparison.swaps =
+                attribution::attribute(common, (&self.a, self.b()), &self.logs, *mode)?;
+        }
         comparison.report = reports.iter().map(|path| path.display().to_string()).collect();
         for path in &reports {
             let text = match path.extension().and_then(|extension| extension.to_str()) {

@@ -12,7 +12,9 @@ use crate::cli::Common;
 use crate::output;
 use crate::status::Status;
 
-/// What a log holds: who made it with what, its topics, its gaps, and whether it is whole.
+/// What a log holds, and whether it is whole.
+///
+/// Who made it with what, its topics, and its gaps.
 #[derive(Args)]
 #[command(after_help = "Exit status: 1 when the log is damaged or cut off.")]
 pub struct Info {

@@ -224,3 +224,55 @@ fn a_comparison_runs_the_whole_ladder() {
     assert_eq!(other["provenance"]["parameters"][0]["key"], "gamma3");
     assert_eq!(other["logs"][0]["levels"].as_array().unwrap().len(), 4);
 }
+
+/// Parameters that differ are swapped one at a time, forth and back; one that is the only one does the
+/// whole change either way, and every form says so.
+#[test]
+fn a_change_is_traced_to_its_parameter() {
+    let here = Workplace::new();
+    here.record("a.mcap", "--scenario random:rect:goal:3 --sensors exact");
+    here.record("b.mcap", "--scenario random:slant:joystick:4 --sensors exact");
+    let compare = |b: &str| {
+        here.tandem(&format!(
+            "compare --format json --force --attribute --report out --a tandem-kinematic --b {b} \
+             a.mcap b.mcap"
+        ))
+    };
+    let only = compare("tandem-kinematic:gamma3=3.0").json();
+    let swaps = only["swaps"].as_array().unwrap();
+    assert_eq!(swaps.len(), 1);
+    assert_eq!(swaps[0]["key"], "gamma3");
+    let mut compared = 0;
+    for metric in only["metrics"].as_array().unwrap() {
+        let name = metric["name"].as_str().unwrap();
+        let (Some(delta), Some(forth)) =
+            (metric["delta"].as_f64(), swaps[0]["forth"][name].as_f64())
+        else {
+            continue;
+        };
+        assert!((delta - forth).abs() <= 1e-12 * (1.0 + delta.abs()), "{name}: {delta} {forth}");
+        assert_eq!(swaps[0]["forth"][name], swaps[0]["back"][name], "{name}");
+        compared += 1;
+    }
+    assert!(compared > 20, "{compared}");
+
+    // danger_band_m is a signal to the person: nothing moves otherwise for it.
+    let two = compare("tandem-kinematic:gamma3=3.0,danger_band_m=0.7").json();
+    let swaps = two["swaps"].as_array().unwrap();
+    let of = |key: &str| swaps.iter().find(|swap| swap["key"] == key).unwrap();
+    let changes = |swap: &serde_json::Value| {
+        let values = swap["forth"].as_object().unwrap().values();
+        values.filter(|value| value.as_f64() != Some(0.0)).count()
+    };
+    assert_eq!(changes(of("danger_band_m")), 0);
+    assert!(changes(of("gamma3")) > 10);
+    for form in ["report.md", "report.html"] {
+        let text = fs::read_to_string(here.path("out").join(form)).unwrap();
+        let (_, table) = text.split_once("Which parameter makes the difference").expect(form);
+        assert!(table.contains("gamma3"), "{form}");
+    }
+
+    let other_law = compare("tandem-dynamic").exits(2);
+    assert!(other_law.stderr.contains("different laws"), "{}", other_law.stderr);
+    assert_eq!(compare("tandem-kinematic").json()["swaps"], serde_json::Value::Null);
+}

@@ -91,3 +91,23 @@ fn a_damaged_or_missing_part_is_a_problem() {
     let run = here.tandem("check --format json fixtures").exits(1).json();
     assert_eq!(run["ok"], false);
 }
+
+/// One fixture that cannot be replayed: the others are left as they were, and it is named.
+#[test]
+fn nothing_is_approved_where_one_fixture_is_bad() {
+    let here = Workplace::new();
+    copy_fixture(&here, "case1");
+    copy_fixture(&here, "case2");
+    let first = here.path("fixtures/case1/fixture.toml");
+    edit(&first, "\"tandem-kinematic\"", "\"tandem-kinematic:gamma3=2.1\"");
+    let golden = here.path("fixtures/case1/golden.toml");
+    let before = fs::read_to_string(&golden).unwrap();
+    fs::write(here.path("fixtures/case2/session.mcap"), "not a log").unwrap();
+    let run = here.tandem("approve fixtures --reason why-not").exits(2);
+    assert!(
+        run.stderr.contains("case2") && run.stderr.contains("nothing was approved"),
+        "{}",
+        run.stderr
+    );
+    assert_eq!(fs::read_to_string(&golden).unwrap(), before);
+}

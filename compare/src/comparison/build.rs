@@ -167,6 +167,7 @@ pub fn compare(question: &Question, logs: Vec<LogPair>) -> Result<Comparison, Co
         metrics: Vec::new(),
         violations: logs.iter().flat_map(violations).collect(),
         moments: Vec::new(),
+        swaps: Vec::new(),
         self_test: None,
         report: Vec::new(),
         scenes: Vec::new(),

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use schemas::Scenario;
 use serde::{Deserialize, Serialize};
 
+use super::swap::Swap;
 use crate::diff::FirstCause;
 use crate::metrics::{Better, Group, Track, Violation, ViolationKind};
 use crate::self_test::SelfTest;
@@ -397,6 +398,9 @@ pub struct Comparison {
     pub violations: Vec<ViolationRecord>,
     /// Where the changes come from, by log; within a log the largest share first.
     pub moments: Vec<Moment>,
+    /// What each parameter that differs does alone, where that was asked for.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub swaps: Vec<Swap>,
     /// What a test of the comparison itself found, where one was asked for.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub self_test: Option<SelfTest>,

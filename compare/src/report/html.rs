@@ -15,6 +15,7 @@ use super::map::{Map, map};
 use super::plot::{Timeline, timeline};
 use super::samples::samples;
 use super::self_test::SelfTestView;
+use super::swaps::SwapRow;
 use super::view::{GateRow, LevelRow, LogRow, MetricRow, MomentRow, View, ViolationRow};
 use crate::CompareError;
 use crate::comparison::{Comparison, MetricChange, ViolationRecord};
@@ -60,6 +61,7 @@ struct Page {
     caveats: Vec<Caveat>,
     gate: Vec<GateRow>,
     levels: Vec<LevelRow>,
+    swaps: Vec<SwapRow>,
     self_test: Option<SelfTestView>,
     logs: Vec<Log>,
     drawn: usize,
@@ -158,6 +160,7 @@ impl Page {
             script_hash: SCRIPT_HASH,
             gate: view.gate,
             levels: view.levels,
+            swaps: view.swaps,
             self_test: view.self_test,
             violations: at(view.violations, |row| index(&row.log)),
             moments: at(view.moments, |row| index(&row.log)),

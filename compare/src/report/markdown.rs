@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::self_test::{MUTANT_ALIGNS, MUTANT_HEAD, MutantRow};
+use super::swaps::{SWAP_ALIGNS, SWAP_HEAD, SwapRow};
 use super::table::{Align, in_cell, markdown as table};
 use super::view::{METRIC_ALIGNS, METRIC_HEAD, MetricRow, View};
 use crate::comparison::Comparison;
@@ -41,6 +42,7 @@ pub fn markdown(comparison: &Comparison) -> String {
 
     text.push_str(&gate(&view));
     text.push_str(&levels(&view));
+    text.push_str(&swaps(&view));
     text.push_str(&tested(&view));
     let (in_a, in_b, new) = view.violation_counts;
     let _ = writeln!(text, "\n### Violations: {in_a} in A, {in_b} in B, {new} held against B\n");
@@ -118,6 +120,16 @@ fn levels(view: &View) -> String {
     }));
     let aligns = [Left, Left, Left, Right, Right, Right, Right];
     format!("\n### Levels of the ladder\n\n{}", table(&aligns, &rows))
+}
+
+/// Which parameter makes the difference.
+fn swaps(view: &View) -> String {
+    if view.swaps.is_empty() {
+        return String::new();
+    }
+    let mut rows = vec![SWAP_HEAD.map(str::to_owned).to_vec()];
+    rows.extend(view.swaps.iter().map(SwapRow::cells));
+    format!("\n### Which parameter makes the difference\n\n{}", table(&SWAP_ALIGNS, &rows))
 }
 
 /// What a test of the comparison itself found.

@@ -17,6 +17,7 @@ mod number;
 mod plot;
 mod samples;
 mod self_test;
+mod swaps;
 mod table;
 mod terminal;
 mod view;

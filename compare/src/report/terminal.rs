@@ -6,6 +6,7 @@ use std::fmt::Write;
 use schemas::Node;
 
 use super::self_test::{MUTANT_ALIGNS, MUTANT_HEAD, MutantRow};
+use super::swaps::{SWAP_ALIGNS, SWAP_HEAD, SwapRow};
 use super::table::{Align, columns};
 use super::view::{METRIC_ALIGNS, METRIC_HEAD, MomentRow, View, ViolationRow};
 use crate::comparison::Comparison;
@@ -35,6 +36,7 @@ pub fn terminal(comparison: &Comparison) -> String {
 
     text.push_str(&gate(&view));
     text.push_str(&levels(&view));
+    text.push_str(&swaps(&view));
     text.push_str(&tested(&view));
     let (in_a, in_b, new) = view.violation_counts;
     let _ = writeln!(text, "violations: {in_a} in A, {in_b} in B, {new} held against B");
@@ -96,6 +98,16 @@ fn levels(view: &View) -> String {
     );
     let aligns = [Left, Left, Left, Left, Right, Right, Right, Right];
     format!("levels of the ladder\n{}\n", columns(&aligns, &rows))
+}
+
+/// Which parameter makes the difference.
+fn swaps(view: &View) -> String {
+    if view.swaps.is_empty() {
+        return String::new();
+    }
+    let mut rows = vec![SWAP_HEAD.map(str::to_owned).to_vec()];
+    rows.extend(view.swaps.iter().map(SwapRow::cells));
+    format!("which parameter makes the difference\n{}\n", columns(&SWAP_ALIGNS, &rows))
 }
 
 /// What a test of the comparison itself found.

@@ -1,5 +1,7 @@
 //! The forms of a report: that they agree, that they escape, and how they look.
 
+mod agreement;
+
 use std::collections::BTreeMap;
 
 use schemas::{MovingDisc, Reason};

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::number::{number, seconds, signed, with_unit};
 use super::self_test::{SelfTestView, self_test};
+use super::swaps::{SwapRow, swap_rows};
 use super::table::Align;
 use crate::comparison::{
     Arm, Comparison, Gate, Indication, LogStatus, MetricChange, Moment, ViolationRecord,
@@ -37,6 +38,8 @@ pub(super) struct View {
     pub(super) gate: Vec<GateRow>,
     /// Each level of the ladder, where there are several: the primary metrics.
     pub(super) levels: Vec<LevelRow>,
+    /// Which parameter makes the difference.
+    pub(super) swaps: Vec<SwapRow>,
     /// What a test of the comparison itself found.
     pub(super) self_test: Option<SelfTestView>,
 }
@@ -178,6 +181,7 @@ impl View {
             logs: log_rows(comparison),
             gate: gate_rows(comparison),
             levels: level_rows(comparison),
+            swaps: swap_rows(comparison),
             self_test: comparison.self_test.as_ref().map(self_test),
         }
     }

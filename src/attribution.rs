@@ -1,0 +1,146 @@
+//! Which parameter makes the difference between two controllers of one law: each swapped from A to B
+//! alone, and back, over all logs.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context as _, Result, ensure};
+use compare::{CATALOGUE, Measured, Meter, ParameterChange, Swap, Values, swap_parameters};
+use controller::Spec;
+use replay::{Mode, Recording, Replay};
+use toml::Table;
+
+use crate::arm::caught;
+use crate::cli::Common;
+use crate::controller_choice::ControllerChoice;
+use crate::{fleet, interrupt, logs};
+
+/// A log, and both controllers as they are on it.
+struct Log {
+    path: PathBuf,
+    recording: Option<Arc<Recording>>,
+    header: schemas::Header,
+    a: Spec,
+    b: Spec,
+}
+
+/// What every parameter that differs does to every metric, as a mean over the logs that can be replayed.
+pub fn attribute(
+    common: &Common,
+    (a, b): (&ControllerChoice, &ControllerChoice),
+    paths: &[PathBuf],
+    mode: Mode,
+) -> Result<Vec<Swap>> {
+    let read = fleet::each(common, paths, "reading", |path| Log::read(path, (a, b), mode));
+    // A log that cannot be read is reported by the comparison itself.
+    let logs: Vec<Log> = read.into_iter().filter_map(Result::ok).collect();
+    let mut keys = BTreeSet::new();
+    for log in &logs {
+        let (a, b) = (log.a.law, log.b.law);
+        ensure!(
+            a == b,
+            "--attribute swaps parameters, and A and B have different laws ({}, {})",
+            a.name(),
+            b.name()
+        );
+        keys.extend(log.differing()?);
+    }
+    let parameters: Vec<ParameterChange> =
+        keys.into_iter().map(|key| ParameterChange { key, a: None, b: None }).collect();
+    if parameters.is_empty() {
+        return Ok(Vec::new());
+    }
+    let swaps = swap_parameters(&parameters, |of_b| {
+        let runs = fleet::each(common, &logs, "swapping", |log| log.run(of_b, mode));
+        interrupt::check()?;
+        // By log, so that a metric without a value in one run of a log is a difference of no pair.
+        let mut values = Values::new();
+        for (number, run) in runs.into_iter().enumerate() {
+            let Ok(run) = run else { continue };
+            for metric in CATALOGUE.iter().filter(|metric| metric.group.is_repeatable()) {
+                if let Some(value) = run.metrics.get(metric.name) {
+                    values.insert(format!("{} {number}", metric.name), value);
+                }
+            }
+        }
+        anyhow::Ok(values)
+    })?;
+    Ok(swaps
+        .into_iter()
+        .map(|swap| Swap { forth: means(&swap.forth), back: means(&swap.back), ..swap })
+        .collect())
+}
+
+impl Log {
+    fn read(
+        path: &Path,
+        (a, b): (&ControllerChoice, &ControllerChoice),
+        mode: Mode,
+    ) -> Result<Log> {
+        let header = logs::open(path)?.header().clone();
+        let recording = match mode {
+            Mode::Open => None,
+            Mode::Closed(_) => Some(Arc::new(Recording::read(logs::open_raw(path)?)?)),
+        };
+        let (a, b) = (a.for_log(&header)?, b.for_log(&header)?);
+        Ok(Log { path: path.to_owned(), recording, header, a, b })
+    }
+
+    /// The keys of the parameters that differ.
+    fn differing(&self) -> Result<Vec<String>> {
+        let (a, b): (Table, Table) = (self.a.params_toml().parse()?, self.b.params_toml().parse()?);
+        let keys = a.iter().filter(|(key, value)| b.get(*key) != Some(value));
+        Ok(keys.map(|(key, _)| key.clone()).collect())
+    }
+
+    /// A with these parameters of B.
+    fn run(&self, of_b: &BTreeSet<&str>, mode: Mode) -> Result<Measured> {
+        let b: Table = self.b.params_toml().parse()?;
+        let taken: Table = b.into_iter().filter(|(key, _)| of_b.contains(key.as_str())).collect();
+        let mut spec = self.a.clone();
+        for (key, value) in &taken {
+            spec.params.set(key, value)?;
+        }
+        let name = || self.path.display().to_string();
+        let mut replay: Replay<BufReader<File>> = match (mode, &self.recording) {
+            (Mode::Closed(person), Some(recording)) => {
+                Replay::of_recording(recording, &spec, person).with_context(name)?
+            }
+            _ => Replay::new(|| logs::open_raw(&self.path), &spec, mode).with_context(name)?,
+        };
+        let mut meter = Meter::new(&self.header);
+        while let Some(event) = caught(|| replay.next_event())? {
+            interrupt::check()?;
+            meter.observe(&event);
+        }
+        Ok(meter.finish()?.bare())
+    }
+}
+
+/// The mean over logs of each metric.
+fn means(by_log: &Values) -> Values {
+    let mut sums: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
+    for (key, value) in by_log {
+        let (sum, count) = sums.entry(key.split(' ').next().unwrap_or(key)).or_default();
+        *sum += value;
+        *count += 1.0;
+    }
+    sums.into_iter().map(|(name, (sum, count))| (name.to_owned(), sum / count)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn means_are_over_the_logs_that_have_a_value() {
+        let of = |pairs: &[(&str, f64)]| -> Values {
+            pairs.iter().map(|(key, value)| ((*key).to_owned(), *value)).collect()
+        };
+        let got = means(&of(&[("x_m 0", 1.0), ("x_m 2", 4.0), ("y_s 1", 7.0)]));
+        assert_eq!(got, of(&[("x_m", 2.5), ("y_s", 7.0)]));
+    }
+}
