@@ -124,9 +124,7 @@ impl Faces {
     ) -> Votes {
         let mut votes = Votes([0; Votes::PLACES]);
         let voters = points.filter(|point| {
-            point.confirmed
-                && point.range_m <= REACH_M
-                && now.since(point.fired) <= LIFE
+            point.confirmed && point.range_m <= REACH_M && now.since(point.fired) <= LIFE
         });
         for point in voters {
             let offset_m = [point.at_m[0] - from_m[0], point.at_m[1] - from_m[1]];

@@ -320,8 +320,8 @@ impl Arc<'_> {
     fn concerns(&self, sight: &Sight) -> bool {
         // The cone of carving is within that of confirming, and what repeats is nearer than what
         // confirms.
-        let may_repeat = (sight.distance_m2 >= self.repeat_beyond_m2)
-            & (sight.forward_m >= self.repeat_ahead_m);
+        let may_repeat =
+            (sight.distance_m2 >= self.repeat_beyond_m2) & (sight.forward_m >= self.repeat_ahead_m);
         (sight.distance_m2 <= self.on_arc_m2[1]) & (self.in_cone(sight) | may_repeat)
     }
 

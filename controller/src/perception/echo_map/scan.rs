@@ -213,7 +213,13 @@ fn steps(x: f64, y: f64) -> f64 {
     // Chosen, not branched to: points lie in any quadrant, and several are reckoned at once.
     let (behind, right) = (x < 0.0, y < 0.0);
     let part = if behind == right { y } else { x } / (x.abs() + y.abs());
-    let start = if behind { if right { 2.0 } else { 1.0 } } else if right { 3.0 } else { 0.0 };
+    let start = if behind {
+        if right { 2.0 } else { 1.0 }
+    } else if right {
+        3.0
+    } else {
+        0.0
+    };
     (start + if behind { -part } else { part }) * (DIRECTIONS / 4) as f64
 }
 
