@@ -9,6 +9,11 @@
 //!   carves, because a wall at a slant is silent too; nor does an unconfirmed echo, because the detours
 //!   that sound takes off such walls pretend to look through them.
 
+#![expect(
+    clippy::needless_bitwise_bool,
+    reason = "without branches several points are looked at at once"
+)]
+
 use schemas::{Span, Time};
 
 use super::beam::ARC_POINTS;

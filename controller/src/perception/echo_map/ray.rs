@@ -1,5 +1,10 @@
 //! How far a disc travels before it touches a point.
 
+#![expect(
+    clippy::needless_bitwise_bool,
+    reason = "without branches several points are looked at at once"
+)]
+
 use schemas::{Footprint, Pose};
 
 use super::beam::unit;
