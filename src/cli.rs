@@ -62,6 +62,7 @@ pub enum Command {
     Diff(command::diff::Diff),
     Compare(command::compare::Compare),
     Metrics(command::metrics::Metrics),
+    Map(command::map::Map),
     Explain(command::explain::Explain),
     Plot(command::plot::Plot),
     Check(command::check::Check),

@@ -47,9 +47,9 @@ pub(crate) fn scenario() -> Scenario {
                 face([1.0, 0.0], 4.0),
                 face([0.0, 1.0], 2.0),
             ],
-            obstacles: Vec::new(),
-            discs: Vec::new(),
+            ..World::default()
         },
+        explored: None,
     }
 }
 

@@ -32,6 +32,7 @@ fn scenario(task: Option<Task>) -> Scenario {
             room: walls.map(|normal| HalfPlane { normal, offset_m: 2.0 }).to_vec(),
             ..World::default()
         },
+        explored: None,
     }
 }
 

@@ -33,6 +33,7 @@ fn scenario() -> Scenario {
             room: walls.map(|normal| HalfPlane { normal, offset_m: 2.0 }).to_vec(),
             ..World::default()
         },
+        explored: None,
     }
 }
 

@@ -32,6 +32,7 @@ fn runner(version: &str, sensors: SensorSuite, task: Option<Task>) -> Runner {
             room: walls.map(|normal| HalfPlane { normal, offset_m: 2.0 }).to_vec(),
             ..World::default()
         },
+        explored: None,
     };
     let overrides = "control_period_s = 0.1".parse().expect("TOML");
     let spec = Spec::resolve(version, &[&overrides]).expect("a version of the list");

@@ -18,6 +18,7 @@ fn world() -> World {
             corners_m: vec![[0.6, 0.2], [1.0, 0.6], [0.6, 1.0], [0.2, 0.6]],
         }],
         discs: Vec::new(),
+        paths: Vec::new(),
     }
 }
 

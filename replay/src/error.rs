@@ -30,6 +30,11 @@ pub enum ReplayError {
     /// The log's metadata names a sensor suite that cannot be simulated.
     #[error("sensors \"{0}\" cannot be simulated; replay this log with --mode open")]
     Sensors(String),
+    /// There is nothing to make a map from.
+    #[error(
+        "no echo of a sonar with a pose about it: nothing to map; give a log with /sonar and /step"
+    )]
+    NoEcho,
     /// Nothing was replayed.
     #[error("no controller step in the log: nothing to replay (record with a controller first)")]
     NoStep,

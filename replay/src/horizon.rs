@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use schemas::{Event, Pose, Sample, SonarScan, Stamped, Time, Truth};
+use schemas::{Cell, Event, Pose, Sample, SonarScan, Stamped, Time, Truth};
 use simulator::JOYSTICK_PERIOD;
 
 use crate::human::{Fit, Fitted, Gains, state_distance};
@@ -31,7 +31,8 @@ const LEAST_RESIDUAL: [f64; 2] = [0.05, 0.1];
 pub struct Horizon {
     /// The robot was elsewhere: more than half a metre, or one radian, or both in part.
     pub state_s: Option<f64>,
-    /// The sonars heard what the recorded ones never did; `None` also without sonars.
+    /// The sonars heard what the recorded ones never did, or the robot left what is known of a mapped
+    /// world; `None` also without sonars.
     pub sensor_s: Option<f64>,
     /// The recorded joystick was outside what the fitted person would have done there.
     pub human_s: Option<f64>,
@@ -105,6 +106,11 @@ impl Watch {
         }
         let tick = after_ns / JOYSTICK_PERIOD.0;
         let t_s = truth.stamp.seconds_since(self.start);
+        // Where nobody ever looked anything may stand.
+        let explored = self.recording.header().scenario.explored.as_ref();
+        if explored.is_some_and(|map| map.at(truth.pose.position_m()) == Cell::Unknown) {
+            self.horizon.sensor_s.get_or_insert(t_s);
+        }
         let both = self.fitted.both(tick as usize, &truth.pose);
         let Some(moment) = self.recording.moment(tick) else { return };
         if let Some(state) = &moment.state {

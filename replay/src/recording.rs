@@ -9,7 +9,9 @@ use std::io::Read;
 use std::sync::Arc;
 
 use schemas::log::{LogError, LogReader, Topic};
-use schemas::{Event, Header, JoystickSample, Plant, Pose, Sample, Span, Time, Truth};
+use schemas::{
+    Event, Explored, Header, JoystickSample, Plant, Pose, Sample, Span, Time, Truth, World,
+};
 use simulator::{JOYSTICK_PERIOD, Request};
 
 use crate::ReplayError;
@@ -101,6 +103,15 @@ impl Recording {
     #[must_use]
     pub fn with_seed(mut self, seed: u64) -> Recording {
         self.header.run.seed = seed;
+        self
+    }
+
+    /// The same person in another world than the log's: one that was mapped from it, say. What
+    /// [`Recording::header`] gives is then of that world.
+    #[must_use]
+    pub fn in_world(mut self, world: World, explored: Option<Explored>) -> Recording {
+        self.header.scenario.world = world;
+        self.header.scenario.explored = explored;
         self
     }
 

@@ -10,6 +10,7 @@
 
 mod command;
 mod event;
+mod explored;
 mod gap;
 pub mod log;
 mod motion;
@@ -27,6 +28,7 @@ mod world;
 
 pub use command::Command;
 pub use event::{Event, Pulled, Source};
+pub use explored::{Cell, Explored};
 pub use gap::Gap;
 pub use motion::{Pose, Twist};
 pub use robot::{Footprint, SONAR_BLIND_M, SONAR_REACH_M, SONARS, SonarMount};
@@ -46,7 +48,7 @@ pub use step::{
 pub use time::{NS_PER_S, SIMULATION_EPOCH, Span, Stamped, Time};
 pub use timing::Timing;
 pub use truth::{Disc, Truth};
-pub use world::{Body, HalfPlane, MovingDisc, NearestFace, Obstacle, World};
+pub use world::{Body, HalfPlane, MovingDisc, NearestFace, Obstacle, WalkedPath, World};
 
 /// Types generated from `proto/tandem/v1`.
 #[expect(clippy::pedantic, reason = "generated code")]

@@ -363,6 +363,9 @@ pub struct Scenario {
     /// The room.
     #[serde(default)]
     pub world: World,
+    /// How much of the room is known, where it was mapped from a log; absent: all of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub explored: Option<crate::Explored>,
 }
 
 impl Scenario {

@@ -26,6 +26,7 @@ fn world(name: &str) -> World {
             room: room([-0.2, 2.9], [-0.25, 1.75]),
             obstacles: table([0.7, 2.4], [0.2, 1.2]),
             discs: Vec::new(),
+            paths: Vec::new(),
         },
         "case2" => World {
             room: walls(&[([1.0, 0.0], 3.25), ([0.0, 1.0], 1.65)]),
@@ -38,11 +39,13 @@ fn world(name: &str) -> World {
                 start_s: 0.0,
                 to_and_fro: false,
             }],
+            paths: Vec::new(),
         },
         "case3" => World {
             room: room([-0.25, 4.15], [-0.25, 1.75]),
             obstacles: table([0.75, 2.75], [-0.05, 1.05]),
             discs: Vec::new(),
+            paths: Vec::new(),
         },
         other => panic!("the vectors name an unknown world {other}"),
     }

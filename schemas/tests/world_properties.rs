@@ -73,6 +73,7 @@ fn world() -> impl Strategy<Value = World> {
                 .collect(),
             obstacles,
             discs,
+            paths: Vec::new(),
         })
 }
 
@@ -129,6 +130,7 @@ fn moved(world: &World, turn_rad: f64, shift_m: [f64; 2]) -> World {
                 ..*it
             })
             .collect(),
+        paths: Vec::new(),
     }
 }
 

@@ -8,6 +8,7 @@ pub mod diff;
 pub mod explain;
 pub mod info;
 pub mod list;
+pub mod map;
 pub mod metrics;
 pub mod plot;
 pub mod record;
@@ -28,6 +29,7 @@ pub fn run(cli: &Cli) -> Result<Status> {
         Command::Diff(command) => command.run(common),
         Command::Compare(command) => command.run(common),
         Command::Metrics(command) => command.run(common),
+        Command::Map(command) => command.run(common),
         Command::Explain(command) => command.run(common),
         Command::Plot(command) => command.run(common),
         Command::Check(command) => command.run(common),

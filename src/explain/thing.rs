@@ -36,7 +36,13 @@ fn things(world: &World, t_s: f64) -> impl Iterator<Item = (String, World)> + '_
         );
         (name, World { discs: vec![*disc], ..World::default() })
     });
-    walls.chain(obstacles).chain(discs)
+    let paths = world.paths.iter().enumerate().map(move |(i, path)| {
+        (
+            format!("walker {} as seen", i + 1),
+            World { paths: vec![path.clone()], ..World::default() },
+        )
+    });
+    walls.chain(obstacles).chain(discs).chain(paths)
 }
 
 /// The thing that gives the least answer, and that answer; `None` where no thing gives a finite
@@ -76,6 +82,7 @@ mod tests {
                 start_s: 0.0,
                 to_and_fro: false,
             }],
+            paths: Vec::new(),
         }
     }
 

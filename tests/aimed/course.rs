@@ -76,7 +76,9 @@ fn ride(site: Site, corner_echo: f64, seed: u64) -> Ride {
             room: walls.map(|normal| HalfPlane { normal, offset_m: 4.0 }).to_vec(),
             obstacles: site.obstacles,
             discs: site.discs,
+            paths: Vec::new(),
         },
+        explored: None,
     };
     Ride { scenario, seed }
 }

@@ -7,6 +7,7 @@ mod explain;
 mod fixtures;
 mod help;
 mod interruption;
+mod map;
 mod plot;
 mod program;
 mod self_test;

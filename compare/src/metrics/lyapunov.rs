@@ -34,7 +34,7 @@ impl Lyapunov {
     pub(super) fn increases(setting: &Setting) -> Self {
         Lyapunov {
             worst_only: false,
-            covered_world: setting.world.discs.is_empty(),
+            covered_world: !setting.world.moves(),
             v_max_mps: setting.limits.v_max_mps(),
             before: None,
             covered: 0,

@@ -122,16 +122,16 @@ fn arc(pose: &Pose, twist: Twist, span_s: f64) -> Pose {
 
 impl Surroundings {
     pub(super) fn new(world: World, footprint: Footprint) -> Surroundings {
-        let fastest_disc_mps =
-            world.discs.iter().map(|disc| libm::fabs(disc.speed_mps)).fold(0.0, f64::max);
+        let discs = world.discs.iter().map(|disc| libm::fabs(disc.speed_mps));
+        let paths = world.paths.iter().map(schemas::WalkedPath::speed_mps);
+        let fastest_disc_mps = discs.chain(paths).fold(0.0, f64::max);
         let reach_m = footprint.circumscribed_radius_m();
         Surroundings { world, footprint, reach_m, fastest_disc_mps }
     }
 
     /// Whether there is anything to touch.
     pub(super) fn is_empty(&self) -> bool {
-        let world = &self.world;
-        world.room.is_empty() && world.obstacles.is_empty() && world.discs.is_empty()
+        self.world.is_empty()
     }
 
     /// Fastest that any point of the body moves, m/s.

@@ -176,7 +176,7 @@ impl Senses {
         match suite {
             SensorSuite::Exact => {
                 let world = &scenario.world;
-                let most = world.room.len() + world.discs.len();
+                let most = world.room.len() + world.discs.len() + world.paths.len();
                 Near::new(footprint, &world.obstacles, most)
             }
             SensorSuite::Sonar => Near::new(footprint, &[], EchoMap::MOST_POINTS),
@@ -196,6 +196,11 @@ impl Senses {
                     // How fast a thing is, is known here as well.
                     let speed_mps = moving.speed_mps.min(v_disc_mps);
                     near.disc(moving.at(exact.t_s), speed_mps, 0.0);
+                }
+                for path in &exact.world.paths {
+                    if let Some(disc) = path.at(exact.t_s) {
+                        near.disc(disc, path.speed_mps().min(v_disc_mps), 0.0);
+                    }
                 }
             }
             Senses::Sonar(sonar) => {

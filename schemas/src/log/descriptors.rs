@@ -1,7 +1,7 @@
 //! The schema records of our channels: self-contained protobuf descriptor sets.
 
 use foxglove::Encode;
-use foxglove::messages::{FrameTransforms, Log, PoseInFrame, SceneUpdate};
+use foxglove::messages::{FrameTransforms, Grid, Log, PoseInFrame, SceneUpdate};
 use prost::Message;
 use prost_types::FileDescriptorSet;
 
@@ -18,6 +18,7 @@ pub(crate) fn schema_data(topic: Topic) -> Vec<u8> {
         Topic::Pose | Topic::PoseTruth => foxglove_schema::<PoseInFrame>(),
         Topic::Scene => foxglove_schema::<SceneUpdate>(),
         Topic::Log => foxglove_schema::<Log>(),
+        Topic::Map => foxglove_schema::<Grid>(),
         _ => tandem_schema(topic.info().schema),
     }
 }

@@ -71,6 +71,8 @@ pub(super) fn decode(topic: Topic, data: &[u8]) -> Result<Option<Event>, prost::
         Topic::Command => Event::Command(Command::from(proto::Command::decode(data)?)),
         Topic::Gap => Event::Gap(Gap::from(proto::Gap::decode(data)?)),
         Topic::Timing => Event::Timing(Timing::from(proto::Timing::decode(data)?)),
-        Topic::Tf | Topic::Pose | Topic::PoseTruth | Topic::Scene | Topic::Log => return Ok(None),
+        Topic::Tf | Topic::Pose | Topic::PoseTruth | Topic::Scene | Topic::Log | Topic::Map => {
+            return Ok(None);
+        }
     }))
 }

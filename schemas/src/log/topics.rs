@@ -35,6 +35,8 @@ pub enum Topic {
     Scene,
     /// `/log`
     Log,
+    /// `/map`
+    Map,
 }
 
 /// When a topic's messages count in the comparison of two runs.
@@ -86,14 +88,16 @@ const fn row(
     compared: Compared,
     summary: &'static str,
 ) -> TopicInfo {
-    let view =
-        matches!(topic, Topic::Tf | Topic::Pose | Topic::PoseTruth | Topic::Scene | Topic::Log);
+    let view = matches!(
+        topic,
+        Topic::Tf | Topic::Pose | Topic::PoseTruth | Topic::Scene | Topic::Log | Topic::Map
+    );
     TopicInfo { topic, name, schema, rate, compared, view, summary }
 }
 
 /// Every topic, in the order of [`Topic`].
 #[rustfmt::skip]
-pub const TOPICS: [TopicInfo; 15] = {
+pub const TOPICS: [TopicInfo; 16] = {
     use Compared::{Always, ClosedLoop, Never};
     [
         row(Topic::Sonar, "/sonar", "tandem.v1.SonarScan", "25 Hz", ClosedLoop, "fresh sonar readings, each with its firing time"),
@@ -111,6 +115,7 @@ pub const TOPICS: [TopicInfo; 15] = {
         row(Topic::PoseTruth, "/pose_truth", "foxglove.PoseInFrame", "10 Hz", Never, "true pose, for viewers"),
         row(Topic::Scene, "/scene", "foxglove.SceneUpdate", "10 Hz", Never, "room, robot, sonar cones and reference, for viewers"),
         row(Topic::Log, "/log", "foxglove.Log", "events", Never, "who drives from now on and why, for viewers"),
+        row(Topic::Map, "/map", "foxglove.Grid", "once", Never, "what is known of a room that was mapped from a log, for viewers"),
     ]
 };
 

@@ -58,6 +58,9 @@ impl Scenario {
         self.noise.check()?;
         self.person.check()?;
         self.world.check().map_err(ScenarioError::Value)?;
+        if let Some(explored) = &self.explored {
+            explored.check().map_err(ScenarioError::Value)?;
+        }
         let lacks = |what: &str| Err(ScenarioError::Value(what.to_owned()));
         if self.driver == Driver::Goal && self.task.is_none() {
             return lacks("driver = \"goal\" needs a [task] to pursue");

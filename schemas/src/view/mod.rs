@@ -4,6 +4,7 @@
 //! poses and a scene, and a line of text whenever somebody else drives. [`LAYOUT`] arranges them.
 
 mod frames;
+mod grid;
 mod journal;
 mod primitives;
 mod room;
@@ -18,7 +19,8 @@ use prost::Message;
 
 use crate::log::{Arm, Topic};
 use crate::{
-    Event, Header, NS_PER_S, Pose, SONARS, Sample, SonarEcho, Span, Stamped, Step, Time, Truth,
+    Event, Explored, Header, NS_PER_S, Pose, SONARS, Sample, SonarEcho, Span, Stamped, Step, Time,
+    Truth,
 };
 use frames::Frames;
 use journal::Journal;
@@ -81,6 +83,8 @@ pub struct Picture {
     stage: Stage,
     seen: Seen,
     journal: Journal,
+    /// The map, as long as it has not been shown.
+    map: Option<Explored>,
     due: Option<Time>,
 }
 
@@ -97,6 +101,7 @@ impl Picture {
             stage: Stage::new(&header.scenario, arm),
             seen: Seen::default(),
             journal: Journal::default(),
+            map: header.scenario.explored.clone(),
             due: None,
         }
     }
@@ -136,7 +141,7 @@ impl Picture {
         shown
     }
 
-    fn draw(&self, at: Time, shown: &mut Vec<Shown>) {
+    fn draw(&mut self, at: Time, shown: &mut Vec<Shown>) {
         let (robot, estimate) = (self.seen.robot(), self.seen.estimate());
         shown.push(Shown::new(Topic::Tf, at, &self.frames.transforms(at, robot, estimate)));
         if let Some(pose) = estimate {
@@ -146,6 +151,9 @@ impl Picture {
         if let Some(pose) = self.seen.truth() {
             let pose = frames::pose_in(frames::WORLD, at, &pose);
             shown.push(Shown::new(Topic::PoseTruth, at, &pose));
+        }
+        if let Some(explored) = self.map.take() {
+            shown.push(Shown::new(Topic::Map, at, &grid::grid(at, &explored)));
         }
         shown.push(Shown::new(Topic::Scene, at, &self.stage.scene(at, &self.seen)));
     }

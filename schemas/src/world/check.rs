@@ -1,6 +1,6 @@
 //! Whether a world's numbers describe a world.
 
-use super::{HalfPlane, MovingDisc, Obstacle, World, cross};
+use super::{HalfPlane, MovingDisc, Obstacle, WalkedPath, World, cross};
 
 /// How far the length of a wall's normal may be from 1.
 const UNIT_TOLERANCE: f64 = 1e-9;
@@ -20,6 +20,9 @@ impl World {
         }
         for (i, disc) in self.discs.iter().enumerate() {
             disc.check().map_err(|what| format!("world.discs[{i}] {what}"))?;
+        }
+        for (i, path) in self.paths.iter().enumerate() {
+            path.check().map_err(|what| format!("world.paths[{i}] {what}"))?;
         }
         Ok(())
     }
@@ -90,6 +93,22 @@ impl MovingDisc {
     }
 }
 
+impl WalkedPath {
+    fn check(&self) -> Result<(), String> {
+        finite(&[self.radius_m])?;
+        if self.radius_m <= 0.0 {
+            return Err(format!("radius_m must be positive, not {}", self.radius_m));
+        }
+        for point in &self.points {
+            finite(point)?;
+        }
+        if let Some(pair) = self.points.windows(2).find(|pair| pair[0][0] >= pair[1][0]) {
+            return Err(format!("must go on in time; {} s follows {} s", pair[1][0], pair[0][0]));
+        }
+        Ok(())
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -130,5 +149,8 @@ mod tests {
         };
         let world = World { discs: vec![disc], ..World::default() };
         assert!(world.check().is_err_and(|what| what.contains("-0.1")));
+        let points = vec![[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]];
+        let world = World { paths: vec![WalkedPath { radius_m: 0.1, points }], ..World::default() };
+        assert!(world.check().is_err_and(|what| what.contains("1 s follows 1 s")));
     }
 }

@@ -201,6 +201,7 @@ mod tests {
                 corners_m: vec![[1.0, -1.0], [3.0, -1.0], [3.0, 1.0], [1.0, 1.0]],
             }],
             discs: Vec::new(),
+            paths: Vec::new(),
         }
     }
 

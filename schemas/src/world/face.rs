@@ -70,6 +70,7 @@ mod tests {
                 start_s: 0.0,
                 to_and_fro: false,
             }],
+            paths: Vec::new(),
         }
     }
 

@@ -63,6 +63,17 @@ pub struct MovingDisc {
     pub to_and_fro: bool,
 }
 
+/// A disc that moves as somebody was seen to move. Before and after it is not there.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WalkedPath {
+    /// Radius, metres.
+    pub radius_m: f64,
+    /// Time in seconds from the start of the session, and place in metres: `[t_s, x_m, y_m]`, in the
+    /// order of time. Between two of them the disc moves straight on.
+    pub points: Vec<[f64; 3]>,
+}
+
 /// A room with things in it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -76,6 +87,9 @@ pub struct World {
     /// What walks in it.
     #[serde(default)]
     pub discs: Vec<MovingDisc>,
+    /// What was seen to walk in it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub paths: Vec<WalkedPath>,
 }
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -166,6 +166,7 @@ mod tests {
                 corners_m: vec![[1.0, -1.0], [3.0, -1.0], [3.0, 1.0], [1.0, 1.0]],
             }],
             discs: Vec::new(),
+            paths: Vec::new(),
         }
     }
 
@@ -212,6 +213,7 @@ mod tests {
                 start_s: 0.0,
                 to_and_fro: false,
             }],
+            paths: Vec::new(),
         };
         assert!(close(world.ray_m([0.0, 0.0], 0.0, 0.25, 0.0), 3.75));
         assert!(close(world.ray_m([5.0, 0.0], 0.0, 0.0, 0.0), -1.0));

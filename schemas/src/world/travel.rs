@@ -248,6 +248,7 @@ mod tests {
                     room: vec![HalfPlane { normal: [cos, sin], offset_m: 2.5 }],
                     obstacles: vec![Obstacle { corners_m: [0.0, 1.0, 2.0].map(corner).to_vec() }],
                     discs: vec![still([-centre_m[1], centre_m[0]], 0.3)],
+                    paths: Vec::new(),
                 };
                 let from_m = [x_m, y_m];
                 let pose_at = |s_m: f64| {

@@ -130,6 +130,7 @@ fn make(name: &str, kind: Kind, driver: Driver, n: u64) -> Scenario {
         },
         controller: overrides(),
         world,
+        explored: None,
     }
 }
 
@@ -313,6 +314,7 @@ fn walker(world: &World, extent_m: [f64; 2], dice: &mut Dice) -> Option<MovingDi
             discs: Vec::new(),
             room: world.room.clone(),
             obstacles: world.obstacles.clone(),
+            paths: Vec::new(),
         };
         let free_m = static_world.ray_m(from_m, angle_rad, radius_m, 0.0);
         let length_m = libm::hypot(way_m[0], way_m[1]);

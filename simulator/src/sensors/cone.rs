@@ -65,7 +65,7 @@ impl Surfaces {
         Surfaces {
             walls: world.room.clone(),
             obstacles: world.obstacles.iter().map(|it| faces(&it.corners_m)).collect(),
-            discs: Vec::with_capacity(world.discs.len()),
+            discs: Vec::with_capacity(world.discs.len() + world.paths.len()),
         }
     }
 

@@ -21,13 +21,13 @@ use replay::{
     Fault, Faults, Gains, Mode, Outcome, Person, PlantEstimate, Reaction, Recording, Window,
 };
 use result::{Plant, Run};
-use schemas::{Event, Header, RunInfo, Span, Stamped};
+use schemas::{Event, Explored, Header, RunInfo, Scenario, Span, Stamped, World};
 use serde::Serialize;
 
 use crate::cli::Common;
 use crate::controller_choice::ControllerChoice;
 use crate::status::Status;
-use crate::{arm, fleet, interrupt, logs, output};
+use crate::{arm, command, fleet, interrupt, logs, output};
 
 /// Replay logs into a controller.
 ///
@@ -46,6 +46,7 @@ Examples:
   tandem replay session.mcap --mode closed --human fitted --plant identified --floor
   tandem replay session.mcap --mode closed --controller paper-kinematic -o both.mcap
   tandem replay session.mcap --mode closed --from 12 --to 20
+  tandem replay session.mcap --mode closed --world map
   tandem replay session.mcap --mode closed --fault sonar-dead=3 --fault latency=0.1
 
 Exit status: 1 when an open-loop replay of the recording controller is not identical to the
@@ -68,6 +69,10 @@ pub struct Replay {
     /// The plant of a closed loop: the one that the log claims, or the one that it shows
     #[arg(long, value_enum, default_value_t = PlantName::Recorded)]
     pub plant: PlantName,
+    /// Closed loop in another world than the log's: that of a scenario file, or `map` for the one that
+    /// the log's own sonars heard (see `tandem map`)
+    #[arg(long, value_name = "SCENARIO.toml|map")]
+    pub world: Option<PathBuf>,
     /// Closed loop: also measure how far the recording controller's own replay is from the recording
     #[arg(long)]
     pub floor: bool,
@@ -199,6 +204,9 @@ impl Replay {
         {
             bail!("--from {from} does not come before --to {to}");
         }
+        if mode == ModeName::Open && self.world.is_some() {
+            bail!("in open loop the recorded sensors are heard: --world goes with --mode closed");
+        }
         self.guard_outputs(common, several)?;
         let results = fleet::each(common, &self.logs, "replaying", |log| {
             self.replay_log(common, log, &modes, several)
@@ -230,7 +238,7 @@ impl Replay {
         let mut told = BTreeSet::new();
         for error in runs.iter().filter_map(|run| run.error.as_ref()) {
             if told.insert(error) {
-                output::note(&format!("error: {error}"));
+                output::note(&format!("error: {}", output::one_line(error)));
             }
         }
         let ladder = (human == HumanName::Ladder && mode == ModeName::Closed).then_some(ladders);
@@ -275,10 +283,25 @@ impl Replay {
                 recording = recording.on_plant(found.applied_to(header.scenario.plant));
                 plant = Some(found);
             }
+            if let Some((world, explored)) = self.world(log)? {
+                recording = recording.in_world(world, explored);
+            } else if header.scenario.world.is_empty() {
+                output::say(
+                    common,
+                    &format!(
+                        "{}: the log has no world, so nothing will be met; --world map builds one",
+                        log.display()
+                    ),
+                );
+            }
             Some(Arc::new(recording))
         } else {
             None
         };
+        // What is measured and written is of the world that is driven in.
+        let replayed = recording
+            .as_ref()
+            .map_or_else(|| header.clone(), |recording| recording.header().clone());
         let reaction = recording.as_ref().map(|recording| Reaction::of(recording));
         let window = self.window();
         let mut runs = Vec::new();
@@ -293,8 +316,13 @@ impl Replay {
             };
             let faults = Faults { faults: self.faults.clone(), seed: self.fault_seed };
             let replay = replay.with_context(name)?.within(window, open()?).under(faults);
-            let mut run =
-                self.replay_one(common, log, (*mode, several, &spec, began), replay, &header)?;
+            let mut run = self.replay_one(
+                common,
+                log,
+                (*mode, several, &spec, began),
+                replay,
+                [&header, &replayed],
+            )?;
             run.plant = plant.as_ref().map(Plant::of);
             if self.floor
                 && let (Mode::Closed(person), Some(recording)) = (mode, &recording)
@@ -304,6 +332,19 @@ impl Replay {
             runs.push(run);
         }
         Ok((runs, reaction))
+    }
+
+    /// The world that was asked for, where another than the log's was.
+    fn world(&self, log: &Path) -> Result<Option<(World, Option<Explored>)>> {
+        let Some(world) = &self.world else { return Ok(None) };
+        if world.as_os_str() == "map" {
+            let (map, _) = command::map::of_log(log)?;
+            return Ok(Some((map.world().clone(), Some(map.explored().clone()))));
+        }
+        let name = || world.display().to_string();
+        let text = fs::read_to_string(world).with_context(name)?;
+        let scenario = Scenario::from_toml(&text).with_context(name)?;
+        Ok(Some((scenario.world, scenario.explored)))
     }
 
     fn window(&self) -> Window {
@@ -335,7 +376,7 @@ impl Replay {
         log: &Path,
         (mode, several, spec, began): (Mode, bool, &controller::Spec, Instant),
         mut replay: replay::Replay<BufReader<File>>,
-        header: &Header,
+        [recorded_header, header]: [&Header; 2],
     ) -> Result<Run> {
         let output = match &self.output {
             None => None,
@@ -378,7 +419,7 @@ impl Replay {
                     let events = std::iter::from_fn(|| recorded.next_event().ok().flatten());
                     Ok(events.take_while(|_| !interrupted.get()).find(inside))
                 };
-                side_by_side::write(&path, [header, &replayed], recorded, &mut next)?;
+                side_by_side::write(&path, [recorded_header, &replayed], recorded, &mut next)?;
                 Some(path)
             }
         };

@@ -144,6 +144,7 @@ fn convex_corner() {
         room: vec![HalfPlane { normal: [cos70, sin70], offset_m: x * cos70 + y * sin70 }],
         obstacles: vec![corner_at(1.0)],
         discs: Vec::new(),
+        paths: Vec::new(),
     };
     let noise = SonarNoise { corner_echo: 1.0, ..HARD_OF_HEARING };
     assert!(!sweep(&hidden, Some(noise), &HOME)[3].echo);

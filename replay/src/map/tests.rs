@@ -1,0 +1,179 @@
+//! Contract of the map: walls where walls are, nothing free where something stands, nothing known where
+//! nobody looked, walkers as walkers.
+
+use schemas::{Cell, Event, Footprint, Pose, SensorSuite, World};
+
+use super::Map;
+use super::votes::distance_m;
+use crate::session::{Recorded, record, scenario};
+use crate::{PlantEstimate, ReplayError};
+
+/// How near a wall has to be to where it is said to be, metres.
+const NEAR_M: f64 = 0.1;
+
+/// How a map fares against the world that its log was recorded in.
+#[derive(Clone, Copy, Debug, Default)]
+struct Score {
+    wall_points: u32,
+    /// Of these, within [`NEAR_M`] of something that stands.
+    near: u32,
+    free_cells: u32,
+    /// Of these, where something stands.
+    wrong: u32,
+    /// Cells of the room in which nothing stands.
+    floor_cells: u32,
+}
+
+impl Score {
+    fn near_share(&self) -> f64 {
+        f64::from(self.near) / f64::from(self.wall_points)
+    }
+
+    fn wrong_share(&self) -> f64 {
+        f64::from(self.wrong) / f64::from(self.free_cells)
+    }
+
+    fn add(&mut self, other: &Score) {
+        self.wall_points += other.wall_points;
+        self.near += other.near;
+        self.free_cells += other.free_cells;
+        self.wrong += other.wrong;
+        self.floor_cells += other.floor_cells;
+    }
+}
+
+/// Signed distance of a point to what stands, metres; negative within it.
+fn clearance_m(truth: &World, [x_m, y_m]: [f64; 2]) -> f64 {
+    let still = World { discs: Vec::new(), ..truth.clone() };
+    still.clearance_m(&Footprint::POINT, &Pose { x_m, y_m, theta_rad: 0.0 }, 0.0)
+}
+
+fn score(map: &Map, truth: &World) -> Score {
+    let mut score = Score::default();
+    for face in &map.faces {
+        for at_m in face.places(0.05) {
+            score.wall_points += 1;
+            score.near += u32::from(clearance_m(truth, at_m).abs() <= NEAR_M);
+        }
+    }
+    for (at_m, cell) in map.explored.cells() {
+        let stands = clearance_m(truth, at_m) <= 0.0;
+        score.floor_cells += u32::from(!stands);
+        if cell == Cell::Free {
+            score.free_cells += 1;
+            score.wrong += u32::from(stands);
+        }
+    }
+    score
+}
+
+fn mapped(log: &Recorded) -> Map {
+    Map::of_log(log.open(), &PlantEstimate::of_log(log.open())).expect("has echoes")
+}
+
+/// Over rooms that nothing was chosen on: nine in ten of all wall points, and three in four of each
+/// room's, lie within a tenth of a metre of a wall; of the free space at most one in twenty is not, in
+/// any room (the goal), and most of what lies within the map's edges is known.
+#[test]
+fn walls_are_where_walls_are_and_what_is_free_is_free() {
+    let mut all = Score::default();
+    for kind in ["rect", "slant", "disc"] {
+        for (driver, n) in
+            [("joystick", 101), ("explorer", 102), ("flowing", 103), ("tracker", 104)]
+        {
+            let name = format!("random:{kind}:{driver}:{n}");
+            let scenario = scenario(&name, 30.0);
+            let log = record(&scenario, "tandem-kinematic", SensorSuite::Sonar);
+            let score = score(&mapped(&log), &scenario.world);
+            println!(
+                "{name}: {:.3} of {} near, {:.4} of {} wrong",
+                score.near_share(),
+                score.wall_points,
+                score.wrong_share(),
+                score.free_cells
+            );
+            assert!(score.wall_points >= 60, "{name}: {score:?}");
+            assert!(score.near_share() >= 0.75, "{name}: {score:?}");
+            assert!(score.wrong_share() <= 0.05, "{name}: {score:?}");
+            all.add(&score);
+        }
+    }
+    println!("{all:?} {:.3} {:.4}", all.near_share(), all.wrong_share());
+    assert!(all.near_share() >= 0.9, "{all:?}");
+    assert!(all.free_cells > all.floor_cells / 2, "{all:?}");
+}
+
+/// The map is made of what was heard, not of the world in the log's head: without a head that holds
+/// one it is the same, and only what is in sight of the robot's way is known.
+#[test]
+fn nothing_but_echoes_and_estimates_goes_into_it() {
+    let scenario = scenario("random:slant:explorer:105", 12.0);
+    let mut log = record(&scenario, "tandem-kinematic", SensorSuite::Sonar);
+    let map = mapped(&log);
+    let mut bare = scenario.clone();
+    bare.world = World::default();
+    log.rewrite(&bare);
+    log.events.retain(|event| !matches!(event.value, Event::Truth(_)));
+    log.rewrite(&bare);
+    let again = mapped(&log);
+    assert_eq!(again.world(), map.world());
+    assert_eq!(again.explored(), map.explored());
+    let unknown = map.explored.cells().filter(|(_, cell)| *cell == Cell::Unknown).count();
+    assert!(unknown > 100, "{unknown}");
+    assert_eq!(map.explored.at([1e3, 0.0]), Cell::Unknown);
+}
+
+/// Walkers are no walls: they are followed, and found again within their own breadth of where they
+/// were; rooms without them have none.
+#[test]
+fn walkers_walk() {
+    let (mut followed, mut off_m) = (0, Vec::new());
+    for n in [111, 112, 113, 114] {
+        let scenario = scenario(&format!("random:disc:flowing:{n}"), 30.0);
+        let map = mapped(&record(&scenario, "tandem-kinematic", SensorSuite::Sonar));
+        for path in &map.world().paths {
+            followed += 1;
+            off_m.extend(path.points.iter().map(|[t_s, x, y]| {
+                let away_m = |disc: schemas::Disc| distance_m(disc.centre_m, [*x, *y]);
+                scenario.world.discs_at(*t_s).map(away_m).fold(f64::INFINITY, f64::min)
+            }));
+        }
+    }
+    off_m.sort_by(f64::total_cmp);
+    println!("{followed} followed, {:?} {:?}", off_m[off_m.len() / 2], off_m[off_m.len() * 9 / 10]);
+    assert!(followed >= 4, "{followed}");
+    assert!(off_m[off_m.len() / 2] <= 0.25, "{off_m:?}");
+    let mut ghosts = 0;
+    for n in [121, 122, 123, 124] {
+        let scenario = scenario(&format!("random:rect:flowing:{n}"), 30.0);
+        let map = mapped(&record(&scenario, "tandem-kinematic", SensorSuite::Sonar));
+        ghosts += map.world().paths.len();
+    }
+    assert!(ghosts <= 1, "{ghosts}");
+}
+
+/// What is written can be read again, is a world that can be driven in, and says what is unknown.
+#[test]
+fn the_scenario_is_a_scenario() {
+    let scenario = scenario("random:disc:explorer:106", 20.0);
+    let map = mapped(&record(&scenario, "tandem-kinematic", SensorSuite::Sonar));
+    let written = map.scenario();
+    let text = written.to_toml();
+    let back = schemas::Scenario::from_toml(&text).expect("it passes its own checks");
+    assert_eq!(back, written);
+    assert!(back.world.obstacles.len() > 3);
+    assert_eq!(back.plant, scenario.plant);
+    // Two simulated seconds in it.
+    let back = schemas::Scenario { duration_s: 2.0, ..back };
+    let log = record(&back, "tandem-kinematic", SensorSuite::Sonar);
+    assert!(log.events.len() > 100);
+}
+
+/// A log of exact rays has nothing to map, and neither has an empty one.
+#[test]
+fn without_echoes_there_is_no_map() {
+    let scenario = scenario("random:rect:flowing:107", 3.0);
+    let log = record(&scenario, "tandem-kinematic", SensorSuite::Exact);
+    let plant = PlantEstimate::of_log(log.open());
+    assert!(matches!(Map::of_log(log.open(), &plant), Err(ReplayError::NoEcho)));
+}
