@@ -10,13 +10,16 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow};
 use compare::{CATALOGUE, Diff, LevelPair, LogPair, Measured, Meter, Tolerances};
+use controller::Spec;
 use replay::{Gains, Mode, Person, Recording, Replay};
 use schemas::log::LogReader;
-use schemas::{Event, Header, Stamped, Time};
+use schemas::{Event, Header, Reason, Scenario, Stamped, Step, Time};
 
 use crate::cli::Common;
+use crate::command::replay::replay_header;
 use crate::controller_choice::ControllerChoice;
-use crate::{fleet, interrupt, logs};
+use crate::explain::trace;
+use crate::{fleet, interrupt, logs, side_by_side};
 
 /// A log under one controller, event by event.
 enum Arm {
@@ -138,6 +141,16 @@ struct Log<'a> {
     recording: Option<Arc<Recording>>,
 }
 
+impl<'a> Log<'a> {
+    fn read(path: &'a Path, modes: &[Mode]) -> Result<Log<'a>> {
+        let header = logs::open(path)?.header().clone();
+        let closed = modes.iter().any(|mode| matches!(mode, Mode::Closed(_)));
+        // Whoever replays a log that cannot be read to its end reports that for each arm.
+        let recording = closed.then(|| Recording::read(logs::open_raw(path)?)).transpose();
+        Ok(Log { path, header, recording: recording.ok().flatten().map(Arc::new) })
+    }
+}
+
 /// Both arms of one log, walked side by side: measured, and compared step by step; for each mode in
 /// turn, the levels of the ladder.
 pub fn pair(
@@ -145,21 +158,38 @@ pub fn pair(
     choices: (&ControllerChoice, &ControllerChoice),
     modes: &[Mode],
 ) -> Result<LogPair> {
-    let header = logs::open(path)?.header().clone();
-    let closed = modes.iter().any(|mode| matches!(mode, Mode::Closed(_)));
-    // Whoever replays a log that cannot be read to its end reports that for each arm.
-    let recording = closed.then(|| Recording::read(logs::open_raw(path)?)).transpose();
-    let recording = recording.ok().flatten().map(Arc::new);
-    let log = Log { path, header, recording };
+    let log = Log::read(path, modes)?;
     let levels = modes.iter().map(|mode| level(&log, choices, *mode)).collect();
     Ok(LogPair {
         log: path.display().to_string(),
         operator: log.header.run.operator.clone(),
         hash: logs::hash_file(path)?,
-        recorded: if closed { recorded_by(&log, choices.0)? } else { None },
+        recorded: if log.recording.is_some() { recorded_by(&log, choices.0)? } else { None },
         scenario: Some(log.header.scenario),
         levels,
     })
+}
+
+/// Both arms of one log in one mode, side by side in a log of their own.
+pub fn write_side_by_side(
+    path: &Path,
+    choices: [&ControllerChoice; 2],
+    mode: Mode,
+    output: &Path,
+) -> Result<()> {
+    let log = Log::read(path, &[mode])?;
+    let hash = logs::hash_file(path)?;
+    let header = |choice: &ControllerChoice| match choice {
+        ControllerChoice::Recorded => Ok(log.header.clone()),
+        version @ ControllerChoice::Version { .. } => {
+            let spec = version.for_log(&log.header)?;
+            anyhow::Ok(replay_header(&log.header, &spec, mode, hash.clone()))
+        }
+    };
+    let headers = [header(choices[0])?, header(choices[1])?];
+    let [a, b] = arms(&log, choices, mode);
+    let (mut a, mut b) = (a?, b?);
+    side_by_side::write(output, [&headers[0], &headers[1]], || a.next_event(), || b.next_event())
 }
 
 /// What was recorded, where `choice` is the controller that recorded it.
@@ -173,15 +203,17 @@ fn recorded_by(log: &Log<'_>, choice: &ControllerChoice) -> Result<Option<Measur
 }
 
 /// Both arms of one log in one mode.
-fn level(log: &Log<'_>, (a, b): (&ControllerChoice, &ControllerChoice), mode: Mode) -> LevelPair {
+fn level(log: &Log<'_>, choices: (&ControllerChoice, &ControllerChoice), mode: Mode) -> LevelPair {
     let mut level = LevelPair::failed("");
     if let Mode::Closed(person) = mode {
         person.name().clone_into(&mut level.human);
         level.estimates = person.is_estimate();
     }
-    match arms(log, [a, b], mode) {
+    match arms(log, [choices.0, choices.1], mode) {
         [Ok(a), Ok(b)] => {
-            let (a, b, diff, horizon_s) = walk(&log.header, a, b);
+            let sides =
+                [Side::new(&log.header, choices.0, a), Side::new(&log.header, choices.1, b)];
+            let (a, b, diff, horizon_s) = walk(log.header.run.start, sides);
             level.horizon_s = horizon_s;
             let text = |result: Result<Measured>| result.map_err(|error| format!("{error:#}"));
             (level.a, level.b) = (text(a), text(b));
@@ -202,12 +234,9 @@ fn level(log: &Log<'_>, (a, b): (&ControllerChoice, &ControllerChoice), mode: Mo
 }
 
 fn walk(
-    header: &Header,
-    a: Arm,
-    b: Arm,
+    start: Time,
+    [a, b]: [Side; 2],
 ) -> (Result<Measured>, Result<Measured>, Result<Diff>, Option<f64>) {
-    let (a, b) = (Side::new(header, a), Side::new(header, b));
-    let start = header.run.start;
     let diff = compare::diff::<anyhow::Error>(
         &Tolerances::exact(),
         (start, || Ok(a.next_event())),
@@ -220,6 +249,11 @@ fn walk(
 /// An arm with its meter.
 struct Side {
     arm: RefCell<Arm>,
+    /// The controller that is replayed; `None` for a recorded arm.
+    spec: Option<Spec>,
+    scenario: Scenario,
+    /// Who drove in the step before: k, and whether the safety layer altered the input.
+    drove: Cell<Option<(f64, bool)>>,
     meter: RefCell<Meter>,
     failed: RefCell<Option<anyhow::Error>>,
     start: Time,
@@ -228,10 +262,20 @@ struct Side {
 }
 
 impl Side {
-    fn new(header: &Header, arm: Arm) -> Side {
+    fn new(header: &Header, choice: &ControllerChoice, arm: Arm) -> Side {
+        let spec = match choice {
+            ControllerChoice::Recorded => None,
+            version @ ControllerChoice::Version { .. } => version.for_log(header).ok(),
+        };
+        // The recording's own parameters are those of another controller.
+        let params_toml =
+            spec.as_ref().map_or_else(|| header.params_toml.clone(), Spec::params_toml);
         Side {
+            meter: RefCell::new(Meter::new(&Header { params_toml, ..header.clone() })),
             arm: RefCell::new(arm),
-            meter: RefCell::new(Meter::new(header)),
+            spec,
+            scenario: header.scenario.clone(),
+            drove: Cell::new(None),
             failed: RefCell::new(None),
             start: header.run.start,
             last_s: Cell::new(0.0),
@@ -240,10 +284,14 @@ impl Side {
 
     /// The next event. A failure ends this side alone: the other is measured to its end.
     fn next_event(&self) -> Option<Stamped<Event>> {
-        match self.arm.borrow_mut().next_event() {
+        let next = self.arm.borrow_mut().next_event();
+        match next {
             Ok(Some(event)) => {
                 self.meter.borrow_mut().observe(&event);
                 self.last_s.set(event.at.seconds_since(self.start));
+                if let Event::Step(step) = &event.value {
+                    self.ask(step);
+                }
                 Some(event)
             }
             Ok(None) => None,
@@ -251,6 +299,30 @@ impl Side {
                 *self.failed.borrow_mut() = Some(error);
                 None
             }
+        }
+    }
+
+    /// Asks the controller, where another drives than in the step before, which echo that hangs on: the
+    /// one that ends D, or that the safety layer looks at.
+    fn ask(&self, step: &Step) {
+        let drives = (step.k, step.projected);
+        if self.drove.replace(Some(drives)).is_none_or(|before| before == drives) {
+            return;
+        }
+        let arm = self.arm.borrow();
+        let (Arm::Replayed(replay), Some(spec)) = (&*arm, &self.spec) else { return };
+        let Some(look) = replay.runner().look() else { return };
+        let kept_back = step.reason == Reason::WouldBeProjected || step.projected;
+        let ray = if kept_back {
+            look.shielded(step.u_h).and_then(|shielded| shielded.ray)
+        } else {
+            let trace = trace::Trace::new(&look, step, spec, &self.scenario);
+            // Asked about both speeds, D is that of the one that is nearer to danger.
+            let present = trace.present.filter(|ray| ray.free_m == step.distance_human_m);
+            Some(present.unwrap_or(trace.requested))
+        };
+        if let Some(echo) = ray.and_then(|ray| ray.echo) {
+            self.meter.borrow_mut().ended_by(echo.fired, echo.range_m);
         }
     }
 

@@ -17,6 +17,7 @@ mod interrupt;
 mod logs;
 mod output;
 mod self_test;
+mod side_by_side;
 mod status;
 
 use clap::Parser;

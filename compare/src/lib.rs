@@ -38,7 +38,7 @@ pub use diff::{
 };
 pub use error::CompareError;
 pub use metrics::{
-    Basis, Better, CATALOGUE, Group, Measured, Meter, Metric, MetricSummary, Profile, RunMetrics,
-    Switch, Track, TrackPoint, Violation, ViolationKind, metric, summarize,
+    Basis, Better, CATALOGUE, Critical, Group, Measured, Meter, Metric, MetricSummary, Profile,
+    RunMetrics, Switch, Track, TrackPoint, Violation, ViolationKind, metric, summarize,
 };
 pub use self_test::{FalseAlarms, Mutant, Power, SelfTest, Unchanged};

@@ -1,5 +1,7 @@
 //! `tandem compare`: two controllers on the same recorded human behaviour.
 
+mod side_by_side;
+
 use std::collections::BTreeMap;
 use std::fs::{self, OpenOptions};
 use std::io::Write as _;
@@ -12,6 +14,7 @@ use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
 use replay::Mode;
 use schemas::Header;
+use side_by_side::SideBySide;
 
 use crate::cli::Common;
 use crate::command::replay::{HumanName, ModeName};
@@ -57,9 +60,13 @@ pub struct Compare {
     /// TOML file that says how much worse B may be; it then decides the exit status
     #[arg(long, value_name = "FILE")]
     pub gate: Option<PathBuf>,
-    /// Write the report into this folder: report.html, report.md, report.json, junit.xml, metrics.csv
+    /// Write the report into this folder: report.html, report.md, report.json, junit.xml, metrics.csv, and
+    /// ab/ with logs for a viewer
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
+    /// With --report: of how many logs, those with most to see, both arms go side by side into a log
+    #[arg(long, value_name = "N", default_value_t = 3)]
+    pub ab: u16,
     /// Append the Markdown report to this file, for a step summary
     #[arg(long, value_name = "FILE")]
     pub summary: Option<PathBuf>,
@@ -134,6 +141,9 @@ impl Compare {
             None => Vec::new(),
             Some(folder) => report_files(folder, common.force)?,
         };
+        let side_by_side =
+            self.report.as_deref().map(|folder| SideBySide::into(folder, common.force));
+        let side_by_side = side_by_side.transpose()?;
         let gate = self.gate.as_deref().map(read_gate).transpose()?;
         ensure!(!self.logs.is_empty() || self.b.is_none(), "no log to compare A and B on");
         self.refuse_copies()?;
@@ -162,13 +172,17 @@ impl Compare {
         let mut comparison = ::compare::compare(&question, pairs)?;
         comparison.self_test = self_test;
         if self.attribute {
-            let estimates =
-                |mode: &&Mode| matches!(mode, Mode::Closed(person) if person.is_estimate());
-            let mode = modes.iter().find(estimates).or(modes.first()).unwrap_or(&Mode::Open);
             comparison.swaps =
-                attribution::attribute(common, (&self.a, self.b()), &self.logs, *mode)?;
+                attribution::attribute(common, (&self.a, self.b()), &self.logs, shown(&modes))?;
         }
         comparison.report = reports.iter().map(|path| path.display().to_string()).collect();
+        if let (Some(folder), false) = (side_by_side, self.logs.is_empty() || modes.is_empty()) {
+            let shown = shown(&modes);
+            folder.write(&mut comparison, usize::from(self.ab), |log, output| {
+                let arms = [&self.a, self.b()];
+                arm::write_side_by_side(&self.logs[log], arms, shown, output)
+            })?;
+        }
         for path in &reports {
             let text = match path.extension().and_then(|extension| extension.to_str()) {
                 Some("html") => report::html(&comparison)?,
@@ -278,6 +292,12 @@ impl Compare {
         }
         Ok(())
     }
+}
+
+/// The mode that stands for a log in pictures: the first that estimates, else the first.
+fn shown(modes: &[Mode]) -> Mode {
+    let estimates = |mode: &&Mode| matches!(mode, Mode::Closed(person) if person.is_estimate());
+    *modes.iter().find(estimates).or(modes.first()).unwrap_or(&Mode::Open)
 }
 
 /// The gate that a file describes.

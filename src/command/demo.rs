@@ -113,6 +113,7 @@ impl Demo {
                 gate: None,
                 report: Some(folder.join(format!("report-{recorded_with}"))),
                 summary: None,
+                ab: 1,
                 attribute: false,
                 self_test: false,
                 alarms: 0,

@@ -11,7 +11,7 @@ mod moment;
 mod ray;
 mod text;
 mod thing;
-mod trace;
+pub mod trace;
 mod words;
 
 #[cfg(test)]

@@ -276,3 +276,39 @@ fn a_change_is_traced_to_its_parameter() {
     assert!(other_law.stderr.contains("different laws"), "{}", other_law.stderr);
     assert_eq!(compare("tandem-kinematic").json()["swaps"], serde_json::Value::Null);
 }
+
+/// Beside the report both arms of the logs with most to see stand in one log each, which says of them
+/// what the comparison says; moments name the critical distance and the echo that it hangs on.
+#[test]
+fn both_arms_stand_side_by_side_beside_the_report() {
+    let here = Workplace::new();
+    here.record("a.mcap", "--scenario random:disc:joystick:1 --duration 9");
+    here.record("b.mcap", "--scenario random:rect:goal:2 --duration 9");
+    let compare = "compare --format json --a paper-kinematic --b tandem-kinematic a.mcap b.mcap \
+                   --report out";
+    let json = here.tandem(&format!("{compare} --ab 1")).json();
+    let logs = json["logs"].as_array().unwrap();
+    let shown: Vec<_> = logs.iter().filter(|log| log["side_by_side"].is_string()).collect();
+    assert_eq!(shown.len(), 1, "as many as were asked for");
+    let file = format!("out/{}", shown[0]["side_by_side"].as_str().unwrap());
+    assert!(json["report"].as_array().unwrap().contains(&file.as_str().into()), "{json}");
+    let diff = here.tandem(&format!("diff --format json {file}")).exits(1).json();
+    for key in ["t_s", "node", "field", "a", "b"] {
+        assert_eq!(diff["first_cause"][key], shown[0]["first_cause"][key], "{key}");
+    }
+    assert!(here.path("out/ab/layout.json").is_file());
+    let page = fs::read_to_string(here.path("out/report.html")).unwrap();
+    assert_eq!(page.matches("Both arms in one log").count(), 1);
+
+    let moments = json["moments"].as_array().unwrap();
+    let says = |what: &str| moments.iter().any(|m| m["why"].as_str().unwrap().contains(what));
+    assert!(says("below Dc = ") && says("what ends it is the echo "), "{moments:?}");
+
+    // Nothing is overwritten unasked; with --force nothing of the earlier one stays.
+    here.tandem(&format!("{compare} --ab 2")).exits(2);
+    let same = compare.replace("paper-kinematic", "tandem-kinematic");
+    here.tandem(&format!("{same} --force")).succeeds();
+    assert!(fs::read_dir(here.path("out/ab")).unwrap().all(|entry| {
+        entry.unwrap().path().extension().is_some_and(|extension| extension != "mcap")
+    }));
+}

@@ -218,6 +218,7 @@ fn log_result(log: &LogPair, cluster: String) -> LogResult {
         floor: BTreeMap::new(),
         indicative: super::Indication::default(),
         first_cause: None,
+        side_by_side: None,
     };
     let wholes = match log.whole() {
         Ok(wholes) => wholes,

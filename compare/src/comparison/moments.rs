@@ -7,7 +7,7 @@
 use std::cmp::Ordering;
 
 use super::result::{Arm, Moment};
-use crate::metrics::{CATALOGUE, Group, Measured, Metric, Switch};
+use crate::metrics::{CATALOGUE, Critical, Group, Measured, Metric, Switch};
 use crate::report::{number, seconds, with_unit};
 
 /// Most stretches that are listed for one metric of one log.
@@ -176,19 +176,29 @@ fn circumstances(switch: &Switch) -> String {
     let (before, now) = (switch.distance_before_m, switch.distance_human_m);
     if !now.is_nan() {
         let metres = |x: f64| number(Some(x));
-        parts.push(match now.partial_cmp(&before) {
+        let moved = match now.partial_cmp(&before) {
             Some(Ordering::Less) => format!("D fell from {} to {} m", metres(before), metres(now)),
             Some(Ordering::Greater) => {
                 format!("D rose from {} to {} m", metres(before), metres(now))
             }
             _ => format!("D = {} m", metres(now)),
+        };
+        parts.push(match switch.critical {
+            None => moved,
+            Some(Critical { distance_m, v_mps }) => {
+                let side = if switch.k == 0.0 { "below" } else { "above" };
+                let (dc, v) = (metres(distance_m), metres(v_mps));
+                format!("{moved}, {side} Dc = {dc} m at {v} m/s")
+            }
         });
     }
-    if switch.v_h_mps.is_finite() {
+    if switch.v_h_mps.is_finite() && switch.critical.is_none_or(|c| c.v_mps != switch.v_h_mps) {
         parts.push(format!("requested {} m/s", number(Some(switch.v_h_mps))));
     }
-    if let Some((sonar, range_m)) = switch.nearest_echo {
-        parts.push(format!("nearest echo {} m at sonar {sonar}", number(Some(range_m))));
-    }
+    let echo = |words: &str, (sonar, range_m): (u8, f64)| {
+        format!("{words} {} m at sonar {sonar}", number(Some(range_m)))
+    };
+    let ended_by = switch.ended_by.map(|ended_by| echo("what ends it is the echo", ended_by));
+    parts.extend(ended_by.or(switch.nearest_echo.map(|nearest| echo("nearest echo", nearest))));
     parts.join(", ")
 }

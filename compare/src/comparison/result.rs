@@ -1,5 +1,6 @@
 //! The one result object, in the shape of its JSON.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use schemas::Scenario;
@@ -149,6 +150,9 @@ pub struct LogResult {
     pub indicative: Indication,
     /// What differed first between the arms.
     pub first_cause: Option<FirstCause>,
+    /// The log in which both arms stand side by side, from where the report is; `None` without one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub side_by_side: Option<String>,
 }
 
 /// What a gate says about a metric.
@@ -415,6 +419,27 @@ impl Comparison {
     /// How many logs could not be compared.
     pub fn failed_logs(&self) -> usize {
         self.logs.iter().filter(|log| log.status == LogStatus::Failed).count()
+    }
+
+    /// The logs in which anything differs, by how much there is to see: first those with violations held
+    /// against B, then those with possible ones, then by the number of moments.
+    pub fn logs_to_see(&self) -> Vec<usize> {
+        let weight = |i: &usize| {
+            let name = &self.logs[*i].log;
+            let count = |of: fn(&ViolationRecord) -> bool| {
+                self.violations.iter().filter(|v| v.log == *name && of(v)).count()
+            };
+            let moments = self.moments.iter().filter(|moment| moment.log == *name).count();
+            (count(|v| v.new), count(|v| v.possible), moments)
+        };
+        let differs = |i: &usize| {
+            let log = &self.logs[*i];
+            log.status == LogStatus::Ok && log.first_cause.is_some()
+        };
+        let mut order: Vec<usize> = (0..self.logs.len()).filter(differs).collect();
+        // The sort is stable: of equals the first ones come first.
+        order.sort_by_key(|i| Reverse(weight(i)));
+        order
     }
 
     /// The change of a metric over all logs.

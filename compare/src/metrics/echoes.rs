@@ -1,15 +1,22 @@
 //! What the sonars heard last, to say what a switch came from.
 
+use std::collections::VecDeque;
+
 use schemas::{SONARS, SonarScan, Time};
 
 /// An echo older than this says nothing any more, seconds (specification §10).
 const FRESH_S: f64 = 0.5;
 
-/// The newest reading of each sonar.
+/// Most echoes that are remembered: 40 a second for longer than a map remembers most of them.
+const MOST: usize = 4096;
+
+/// The newest reading of each sonar, and what was heard before.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Echoes {
     /// When it fired, seconds from the start, and its range; `None` where nothing came back.
     last: [Option<(f64, f64)>; SONARS.len()],
+    /// The same with the sonar, the newest last.
+    before: VecDeque<(f64, f64, u8)>,
 }
 
 impl Echoes {
@@ -17,7 +24,14 @@ impl Echoes {
         for echo in &scan.echoes {
             if let Some(last) = self.last.get_mut(usize::from(echo.id)) {
                 let heard = echo.echo && echo.range_m.is_finite();
-                *last = heard.then(|| (echo.fired.seconds_since(start), echo.range_m));
+                let fired_s = echo.fired.seconds_since(start);
+                *last = heard.then_some((fired_s, echo.range_m));
+                if heard {
+                    self.before.push_back((fired_s, echo.range_m, echo.id));
+                }
+                if self.before.len() > MOST {
+                    self.before.pop_front();
+                }
             }
         }
     }
@@ -29,6 +43,14 @@ impl Echoes {
             (t_s - fired_s <= FRESH_S).then_some((id, range_m))
         });
         fresh.min_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The sonar that fired then and heard something at that range, with the range: two fire at once,
+    /// and the range tells them apart. A range of 0 is contact, which says nothing of what was heard.
+    pub(super) fn heard(&self, fired_s: f64, range_m: f64) -> Option<(u8, f64)> {
+        let is_it =
+            |heard: &&(f64, f64, u8)| heard.0 == fired_s && (heard.1 == range_m || range_m == 0.0);
+        self.before.iter().rev().find(is_it).map(|(_, range_m, id)| (*id, *range_m))
     }
 }
 
@@ -54,5 +76,7 @@ mod tests {
         // Sonar 3 has not been heard for more than half a second.
         assert_eq!(echoes.nearest(0.6), Some((4, 0.5)));
         assert_eq!(echoes.nearest(2.0), None);
+        assert_eq!(echoes.heard(0.0, 0.3), Some((3, 0.3)));
+        assert_eq!(echoes.heard(0.0, 0.5), None);
     }
 }

@@ -15,6 +15,7 @@ use super::sample::{
     DECISION_HOLD_LIMIT_PERIODS, Decision, LawState, MOTION_HOLD_LIMIT_S, Motion, Request, Setting,
     TTC_HORIZON_S,
 };
+use super::sets::Sets;
 use super::sweep::{Course, Surroundings};
 use super::track::{Switch, Track, TrackPoint};
 use crate::CompareError;
@@ -87,6 +88,7 @@ pub struct Meter {
     surroundings: Surroundings,
     judge: Judge,
     echoes: Echoes,
+    sets: Option<Sets>,
     distance_before_m: f64,
     profile: Profile,
     track: Track,
@@ -130,6 +132,7 @@ impl Meter {
             judge: Judge::new(surroundings.clone(), &setting.plant),
             surroundings,
             echoes: Echoes::default(),
+            sets: Sets::of(header),
             distance_before_m: f64::NAN,
             setting,
             profile: Profile::new(),
@@ -156,6 +159,15 @@ impl Meter {
             Event::Sample(Sample::Sonar(scan)) => self.echoes.scan(scan, self.start),
             Event::Timing(timing) => self.timing(timing),
             Event::Sample(_) | Event::Gap(_) => {}
+        }
+    }
+
+    /// Says which echo ends D, or the ray of the safety layer, in the step that was observed last: when
+    /// its sonar fired, and the range, metres. Only a controller that is asked knows that.
+    pub fn ended_by(&mut self, fired: Time, range_m: f64) {
+        if let Some(pending) = &mut self.pending {
+            let fired_s = fired.seconds_since(self.start);
+            pending.switch.ended_by = self.echoes.heard(fired_s, range_m);
         }
     }
 
@@ -334,6 +346,8 @@ impl Meter {
                 distance_before_m: self.distance_before_m,
                 v_h_mps: step.v_h_mps,
                 nearest_echo: self.echoes.nearest(t_s),
+                ended_by: None,
+                critical: self.sets.and_then(|sets| sets.crossed(step, requested.v_mps)),
             },
         }
     }

@@ -60,6 +60,20 @@ pub struct Switch {
     /// The sonar with the nearest echo of the last half second, and its range, metres; `None` without
     /// one.
     pub nearest_echo: Option<(u8, f64)>,
+    /// The sonar whose echo ends D, or the ray of the safety layer, and its range, metres; `None` where
+    /// that was not asked ([`Meter::ended_by`](super::Meter::ended_by)).
+    pub ended_by: Option<(u8, f64)>,
+    /// The critical distance that D is on the other side of; `None` where it is not that which switched.
+    pub critical: Option<Critical>,
+}
+
+/// A critical distance of the sets (12).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Critical {
+    /// Dc, metres.
+    pub distance_m: f64,
+    /// The speed that it is of, m/s: the requested one, or the present one where that is the worse.
+    pub v_mps: f64,
 }
 
 /// A run, thinned to a bounded number of points.

@@ -127,6 +127,8 @@ pub(super) struct LogRow {
     pub(super) indicative: String,
     /// When that was, seconds, to jump to.
     pub(super) first_cause_s: Option<f64>,
+    /// The log in which both arms stand side by side, as a link; empty without one.
+    pub(super) side_by_side: String,
     pub(super) metrics: Vec<LogMetricRow>,
     pub(super) moments: Vec<MomentRow>,
 }
@@ -415,6 +417,7 @@ fn log_rows(comparison: &Comparison) -> Vec<LogRow> {
                 (None, LogStatus::Failed) => String::new(),
             },
             indicative: indicative(&log.indicative),
+            side_by_side: log.side_by_side.clone().unwrap_or_default(),
             first_cause_s: log.first_cause.as_ref().map(|cause| cause.t_s),
             metrics: comparison
                 .metrics

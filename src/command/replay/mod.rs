@@ -2,7 +2,6 @@
 
 mod ladder;
 mod result;
-mod side_by_side;
 
 use std::cell::Cell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -27,7 +26,7 @@ use serde::Serialize;
 use crate::cli::Common;
 use crate::controller_choice::ControllerChoice;
 use crate::status::Status;
-use crate::{arm, command, fleet, interrupt, logs, output};
+use crate::{arm, command, fleet, interrupt, logs, output, side_by_side};
 
 /// Replay logs into a controller.
 ///

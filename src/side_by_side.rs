@@ -10,7 +10,7 @@ use schemas::view::LAYOUT_AB;
 use schemas::{Event, Header, Stamped};
 
 /// Writes two runs, A and B, side by side into a file.
-pub(super) fn write(
+pub fn write(
     path: &Path,
     headers: [&Header; 2],
     a: impl FnMut() -> Result<Option<Stamped<Event>>>,
@@ -26,7 +26,7 @@ pub(super) fn write(
 }
 
 /// Where the layout goes: beside the one file, or once into the folder.
-pub(super) fn layout_beside(output: &Path, several: bool) -> PathBuf {
+pub fn layout_beside(output: &Path, several: bool) -> PathBuf {
     if several || output.is_dir() {
         output.join("layout.json")
     } else {
@@ -35,7 +35,7 @@ pub(super) fn layout_beside(output: &Path, several: bool) -> PathBuf {
 }
 
 /// Refuses to write over a layout that is another one.
-pub(super) fn guard_layout(path: &Path, force: bool) -> Result<()> {
+pub fn guard_layout(path: &Path, force: bool) -> Result<()> {
     if !force && path.exists() && fs::read(path).ok().as_deref() != Some(LAYOUT_AB.as_bytes()) {
         bail!("{} exists; choose another name or pass --force to overwrite it", path.display());
     }
@@ -43,6 +43,6 @@ pub(super) fn guard_layout(path: &Path, force: bool) -> Result<()> {
 }
 
 /// Writes the layout.
-pub(super) fn write_layout(path: &Path) -> Result<()> {
+pub fn write_layout(path: &Path) -> Result<()> {
     fs::write(path, LAYOUT_AB).with_context(|| path.display().to_string())
 }

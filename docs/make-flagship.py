@@ -1,0 +1,161 @@
+#!/usr/bin/env python3
+"""The laws as printed against the corrected ones, over simulated people: docs/flagship.md.
+
+    cargo build --release && python3 docs/make-flagship.py [--sessions N] [--folder DIR]
+
+Records N sessions (120) with each law as printed, brings their people back by every level of the ladder,
+and compares. Needs nothing but Python's own library. The reports stay in DIR (flagship-report/):
+report.html and its companions for both models.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+TANDEM = ROOT / "target/release/tandem"
+KINDS = ["rect:goal", "rect:joystick", "slant:goal", "slant:joystick", "disc:goal", "disc:joystick"]
+PAIRS = {
+    "kinematic": ("paper-kinematic", "tandem-kinematic"),
+    "dynamic": ("paper-dynamic", "tandem-dynamic"),
+}
+# What the page shows; the reports have every metric.
+SHOWN = {
+    "safety": ["collisions", "invariance_breaches", "min_clearance_m", "near_miss_s", "ttc_exposure_s"],
+    "authority": [
+        "human_share", "interventions_per_min", "chatter_per_min", "deadlock_s", "override_m",
+        "unwarranted", "excess",
+    ],
+    "comfort": ["accel_rms_mps2", "jerk_rms_mps3", "angular_jerk_rms_radps3", "sparc"],
+    "task": ["tracking_rms_m", "path_efficiency"],
+}
+
+
+def tandem(*arguments: str) -> int:
+    run = subprocess.run([str(TANDEM), *arguments], cwd=ROOT, stdout=subprocess.DEVNULL, check=False)
+    return run.returncode
+
+
+def record(folder: Path, controller: str, count: int) -> list[str]:
+    """Sessions of one controller, a seed of their own each."""
+    logs = []
+    with ThreadPoolExecutor(2) as pool:
+        runs = []
+        for number in range(count):
+            kind, room = KINDS[number % len(KINDS)], number // len(KINDS) + 1
+            log = folder / controller / f"{kind.replace(':', '-')}-{room}.mcap"
+            logs.append(str(log))
+            runs.append(pool.submit(
+                tandem, "record", "--quiet", "--no-view", "--force", "--scenario", f"random:{kind}:{room}",
+                "--controller", controller, "--seed", str(number + 1), "-o", str(log),
+            ))
+        if any(run.result() for run in runs):
+            sys.exit(f"recording with {controller} failed")
+    return logs
+
+
+def number(x: float | None) -> str:
+    if x is None:
+        return "–"
+    size = abs(x)
+    if size == int(size) and size < 1e6:
+        return f"{x:.0f}"
+    return f"{x:.3f}" if size < 10 else f"{x:.2f}" if size < 100 else f"{x:.1f}"
+
+
+def change(metric: dict) -> str:
+    if metric["delta"] is None:
+        return "–"
+    sign = lambda x: ("+" if x > 0 else "") + number(x)
+    mark = "=" if metric["delta"] == 0 else "○"
+    if metric["decidable"]:
+        mark = "▲" if (metric["delta"] > 0) == (metric["better"] == "higher") else "▼"
+    ci = metric["ci"]
+    return f"{mark} {sign(metric['delta'])}" + (f" [{sign(ci[0])}, {sign(ci[1])}]" if ci else "")
+
+
+def table(results: dict[str, dict]) -> list[str]:
+    lines = [
+        "| | paper-kinematic | tandem-kinematic | change | paper-dynamic | tandem-dynamic | change |",
+        "| --- | --: | --: | --- | --: | --: | --- |",
+    ]
+    for group, names in SHOWN.items():
+        lines.append(f"| **{group}** | | | | | | |")
+        for name in names:
+            cells = []
+            unit = ""
+            for model in PAIRS:
+                metric = next(m for m in results[model]["metrics"] if m["name"] == name)
+                unit = f" ({metric['unit']})" if metric["unit"] else ""
+                cells += [number(metric["a"]), number(metric["b"]), change(metric)]
+            lines.append(f"| {name}{unit} | {' | '.join(cells)} |")
+    return lines
+
+
+def left(result: dict, arm: str) -> int:
+    """In how many logs an arm leaves the admissible set at some level."""
+    return len({v["log"] for v in result["violations"]
+                if v["arm"] == arm and v["kind"] == "left_admissible_set"})
+
+
+def main() -> None:
+    arguments = argparse.ArgumentParser()
+    arguments.add_argument("--sessions", type=int, default=120)
+    arguments.add_argument("--folder", type=Path, default=ROOT / "flagship-report")
+    arguments.add_argument("--human", default="ladder")
+    options = arguments.parse_args()
+    options.folder = options.folder.resolve()
+    began = time.monotonic()
+    results = {}
+    for model, (a, b) in PAIRS.items():
+        logs = record(options.folder, a, options.sessions)
+        report = options.folder / model
+        status = tandem("compare", "--quiet", "--force", "--a", a, "--b", b, "--human", options.human,
+                        "--report", str(report), *logs)
+        if status not in (0, 1, 3):
+            sys.exit(f"comparing {a} with {b} could not be done")
+        results[model] = json.loads((report / "report.json").read_text())
+        size = (report / "report.html").stat().st_size / 1e6
+        print(f"{model}: {results[model]['verdict']}, {size:.1f} MB, {time.monotonic() - began:.0f} s",
+              file=sys.stderr)
+    page = [
+        "# The paper's question: what do the corrections buy, and what do they cost?",
+        "",
+        "The laws as printed against the corrected ones with their safety layer, for both models, on the same",
+        f"people: {options.sessions} random rooms (rectangular, slanted, with walking people; people who head for a",
+        "goal and people who move the joystick at random), sixteen faulty sonars, a seed of noise for each session.",
+        "Every session is recorded with the law as printed, and its person brought back by every level of the",
+        "ladder; figures are means of the levels that estimate, changes are called (▲ ▼) only where no level",
+        "contradicts them.",
+        "",
+        "    cargo build --release && python3 docs/make-flagship.py",
+        "",
+        "makes this page and both reports (two HTML pages with every run to look at, in `flagship-report/`).",
+        "",
+    ]
+    for model, (a, b) in PAIRS.items():
+        result = results[model]
+        page += [
+            f"**{b} against {a}: {result['verdict']}.** {result['reason']}. Of {len(result['logs'])} sessions",
+            f"(failed: {sum(log['status'] == 'failed' for log in result['logs'])}) the robot leaves the admissible set",
+            f"at some level in {left(result, 'a')} with {a} and in {left(result, 'b')} with {b}.",
+            "",
+        ]
+    page += table(results)
+    page += [
+        "",
+        "▲ better, ▼ worse, ○ within chance, = no change; in brackets the 95 % interval over sessions.",
+        "",
+        "![The head of the report on the kinematic law: verdict, facts and metrics with their",
+        "intervals](report/flagship-kinematic.jpg)",
+        "",
+        "![The head of the report on the dynamic law](report/flagship-dynamic.jpg)",
+    ]
+    (ROOT / "docs/flagship.md").write_text("\n".join(page) + "\n")
+
+
+main()

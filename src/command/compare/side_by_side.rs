@@ -1,0 +1,88 @@
+//! The folder beside a report in which both arms of some logs stand side by side, for a viewer.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ::compare::Comparison;
+use anyhow::{Context as _, Result};
+
+use crate::{interrupt, logs, side_by_side};
+
+/// Its name, from where the report is.
+const NAME: &str = "ab";
+
+/// That folder.
+pub(super) struct SideBySide(PathBuf);
+
+impl SideBySide {
+    /// The folder beside a report. What an earlier comparison left there goes, where it may: it would
+    /// pass for this one's.
+    pub(super) fn into(report: &Path, force: bool) -> Result<SideBySide> {
+        let folder = report.join(NAME);
+        logs::guard(&folder, force)?;
+        if folder.is_dir() {
+            let name = || folder.display().to_string();
+            for entry in fs::read_dir(&folder).with_context(name)? {
+                let path = entry.with_context(name)?.path();
+                if path.extension().is_some_and(|extension| extension == "mcap") {
+                    fs::remove_file(&path).with_context(|| path.display().to_string())?;
+                }
+            }
+        }
+        Ok(SideBySide(folder))
+    }
+
+    /// Writes the logs with most to see, at most `most`, and notes in the comparison where they are.
+    pub(super) fn write(
+        &self,
+        comparison: &mut Comparison,
+        most: usize,
+        write: impl Fn(usize, &Path) -> Result<()>,
+    ) -> Result<()> {
+        let mut names = BTreeSet::new();
+        for log in comparison.logs_to_see().into_iter().take(most) {
+            interrupt::check()?;
+            fs::create_dir_all(&self.0).with_context(|| self.0.display().to_string())?;
+            let name = file_name(&comparison.logs[log].log, log, &mut names);
+            let path = self.0.join(&name);
+            write(log, &path).with_context(|| path.display().to_string())?;
+            comparison.logs[log].side_by_side = Some(format!("{NAME}/{name}"));
+            comparison.report.push(path.display().to_string());
+        }
+        if !names.is_empty() {
+            let layout = self.0.join("layout.json");
+            side_by_side::write_layout(&layout)?;
+            comparison.report.push(layout.display().to_string());
+        }
+        Ok(())
+    }
+}
+
+/// A name that is safe in a file system and in a link, and no other log's.
+fn file_name(log: &str, number: usize, taken: &mut BTreeSet<String>) -> String {
+    let stem =
+        Path::new(log).file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+    let plain = |c: char| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '_' };
+    let stem: String = stem.chars().map(plain).collect();
+    let name = format!("{stem}.mcap");
+    if taken.insert(name.clone()) {
+        return name;
+    }
+    let name = format!("{stem}-{}.mcap", number + 1);
+    taken.insert(name.clone());
+    name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_safe_and_differ() {
+        let mut taken = BTreeSet::new();
+        assert_eq!(file_name("logs/a b\"<1>.mcap", 0, &mut taken), "a_b__1_.mcap");
+        assert_eq!(file_name("x/session.mcap", 1, &mut taken), "session.mcap");
+        assert_eq!(file_name("y/session.mcap", 2, &mut taken), "session-3.mcap");
+    }
+}
