@@ -19,6 +19,7 @@ use crate::cli::Common;
 use crate::command::replay::replay_header;
 use crate::controller_choice::ControllerChoice;
 use crate::explain::trace;
+use crate::fleet::watch;
 use crate::{fleet, interrupt, logs, side_by_side};
 
 /// A log under one controller, event by event.
@@ -79,9 +80,13 @@ fn arms(log: &Log<'_>, choices: [&ControllerChoice; 2], mode: Mode) -> [Result<A
     })
 }
 
-/// Runs what may be somebody else's code: a panic becomes an error that says so.
+/// Runs what may be somebody else's code: a panic becomes an error that says so, and whoever watches
+/// this thread knows that it is in there.
 pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T> {
-    panic::catch_unwind(AssertUnwindSafe(work)).map_err(|payload| {
+    let inside = watch::enter();
+    let done = panic::catch_unwind(AssertUnwindSafe(work));
+    drop(inside);
+    done.map_err(|payload| {
         let said = payload
             .downcast_ref::<&str>()
             .map(|text| (*text).to_owned())

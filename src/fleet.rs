@@ -1,5 +1,7 @@
 //! Work on many logs, several at a time; results come back in the order of the logs.
 
+pub mod watch;
+
 use std::num::NonZero;
 use std::panic::{self, AssertUnwindSafe};
 use std::sync::Mutex;
@@ -7,9 +9,26 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
 use anyhow::{Result, anyhow};
+use indicatif::ProgressBar;
 
 use crate::cli::Common;
 use crate::{interrupt, output};
+
+/// How many threads work, and a bar for what they have done.
+fn staff(common: &Common, count: usize, label: &str) -> (usize, ProgressBar) {
+    let cores = || thread::available_parallelism().map_or(1, NonZero::get);
+    let threads = common.threads.map_or_else(cores, usize::from).min(count).max(1);
+    (threads, output::bar(common, count as u64, label, "{msg} {bar:30} {pos}/{len} logs {eta}"))
+}
+
+/// Works on one item. A panic is its result.
+fn attempt<I, T>(item: &I, work: impl Fn(&I) -> Result<T>) -> Result<T> {
+    if interrupt::pressed() {
+        return Err(anyhow!("interrupted before this log was begun"));
+    }
+    panic::catch_unwind(AssertUnwindSafe(|| work(item)))
+        .unwrap_or_else(|_| Err(anyhow!("a fault of the program; please report it")))
+}
 
 /// Runs `work` on each log. A failure, even a panic, is the result of its log alone; after Ctrl-C the logs not yet
 /// begun fail as interrupted, so that nothing is silently missing.
@@ -19,10 +38,7 @@ pub fn each<I: Sync, T: Send>(
     label: &str,
     work: impl Fn(&I) -> Result<T> + Sync,
 ) -> Vec<Result<T>> {
-    let cores = || thread::available_parallelism().map_or(1, NonZero::get);
-    let threads = common.threads.map_or_else(cores, usize::from).min(logs.len()).max(1);
-    let bar =
-        output::bar(common, logs.len() as u64, label, "{msg} {bar:30} {pos}/{len} logs {eta}");
+    let (threads, bar) = staff(common, logs.len(), label);
     let next = AtomicUsize::new(0);
     let results: Vec<Mutex<Option<Result<T>>>> = logs.iter().map(|_| Mutex::new(None)).collect();
     thread::scope(|scope| {
@@ -33,13 +49,7 @@ pub fn each<I: Sync, T: Send>(
                     let (Some(log), Some(slot)) = (logs.get(index), results.get(index)) else {
                         break;
                     };
-                    let result = if interrupt::pressed() {
-                        Err(anyhow!("interrupted before this log was begun"))
-                    } else {
-                        panic::catch_unwind(AssertUnwindSafe(|| work(log))).unwrap_or_else(|_| {
-                            Err(anyhow!("a fault of the program; please report it"))
-                        })
-                    };
+                    let result = attempt(log, &work);
                     if let Ok(mut slot) = slot.lock() {
                         *slot = Some(result);
                     }

@@ -38,6 +38,7 @@ fn main() -> ExitCode {
         Err(error) => error.exit(),
     };
     interrupt::install();
+    fleet::watch::keep_panics_quiet();
     let status = match command::run(&cli) {
         Ok(status) => status,
         Err(error) => {

@@ -37,6 +37,10 @@ pub enum Fault {
     Jitter(f64),
     /// The joystick says the same from one instant to another, seconds from the start.
     JoystickFreeze(f64, f64),
+    /// The controller never answers from this instant on, seconds from the start.
+    ControllerHang(f64),
+    /// The controller panics at this instant, seconds from the start.
+    ControllerPanic(f64),
 }
 
 /// The faults' names, with what each value means.
@@ -49,6 +53,8 @@ pub const FAULTS: &[(&str, &str)] = &[
     ("encoder-slip=SHARE", "how much further than the robot the left wheels go"),
     ("latency=S", "how much later sensors arrive, seconds"),
     ("jitter=S", "how much later at most, each reading by its own, seconds"),
+    ("controller-hang=S", "a controller that does not answer from then on, seconds from the start"),
+    ("controller-panic=S", "a controller that panics then, seconds from the start"),
     ("joystick-freeze=FROM-TO", "a joystick that is stuck, seconds from the start"),
 ];
 
@@ -89,8 +95,26 @@ impl FromStr for Fault {
                 let (from, to) = value.split_once('-').ok_or_else(bad)?;
                 Fault::JoystickFreeze(at_least_0(from)?, at_least_0(to)?)
             }
+            "controller-hang" => Fault::ControllerHang(at_least_0(value)?),
+            "controller-panic" => Fault::ControllerPanic(at_least_0(value)?),
             _ => return Err(bad()),
         })
+    }
+}
+
+/// Does to whoever steps at `t_s` what a broken controller does: never comes back, or panics.
+#[expect(clippy::panic, reason = "asked for, to show what becomes of the others")]
+fn break_down(faults: &[Fault], t_s: f64) {
+    for fault in faults {
+        match fault {
+            Fault::ControllerHang(at_s) if t_s >= *at_s => loop {
+                std::thread::park();
+            },
+            Fault::ControllerPanic(at_s) if t_s >= *at_s => {
+                panic!("as --fault controller-panic={at_s} has it");
+            }
+            _ => {}
+        }
     }
 }
 
@@ -220,7 +244,11 @@ impl<S: Source> Source for Faulty<S> {
                 }
                 self.delayed.next(next);
             }
-            return Ok(self.delayed.take());
+            let next = self.delayed.take();
+            if let Some(Pulled::StepDue { now, .. }) = &next {
+                break_down(&self.faults.faults, now.seconds_since(self.start));
+            }
+            return Ok(next);
         }
     }
 

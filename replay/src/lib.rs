@@ -14,6 +14,8 @@
 mod angle;
 mod closed;
 mod error;
+#[cfg(test)]
+mod exactness;
 mod fault;
 mod hash;
 mod horizon;

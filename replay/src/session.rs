@@ -43,8 +43,18 @@ pub(crate) fn spec(name: &str, scenario: &Scenario) -> Spec {
 
 /// Records a session.
 pub(crate) fn record(scenario: &Scenario, controller: &str, sensors: SensorSuite) -> Recorded {
+    record_seeded(scenario, controller, sensors, 5)
+}
+
+/// The same with a seed of one's own.
+pub(crate) fn record_seeded(
+    scenario: &Scenario,
+    controller: &str,
+    sensors: SensorSuite,
+    seed: u64,
+) -> Recorded {
     let spec = spec(controller, scenario);
-    let (start, seed) = (SIMULATION_EPOCH, 5);
+    let start = SIMULATION_EPOCH;
     let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
     let runner = Runner::new(&setup).expect("parameters fit");
     let control_period = runner.control_period();

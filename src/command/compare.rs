@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, OpenOptions};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use ::compare::{
     ArmInfo, Comparison, Gate, GateFile, LevelPair, LogPair, Provenance, Question, Verdict, report,
@@ -17,11 +18,12 @@ use schemas::Header;
 use side_by_side::SideBySide;
 
 use crate::cli::Common;
-use crate::command::replay::{HumanName, ModeName};
+use crate::command::replay::{HumanName, ModeName, patience};
 use crate::controller_choice::ControllerChoice;
+use crate::fleet::watch;
 use crate::self_test::{Answer, Ask};
 use crate::status::Status;
-use crate::{arm, attribution, fleet, interrupt, logs, output, self_test};
+use crate::{arm, attribution, interrupt, logs, output, self_test};
 
 /// Compare two controllers on the same recorded human behaviour.
 ///
@@ -57,6 +59,9 @@ pub struct Compare {
     /// How the recorded person is brought back in closed loop
     #[arg(long, value_enum, default_value_t = HumanName::Playback)]
     pub human: HumanName,
+    /// Give up on a controller that does not answer for so many seconds; its log then has failed
+    #[arg(long, default_value = "30", value_name = "SECONDS", value_parser = patience)]
+    pub hang_after: Duration,
     /// TOML file that says how much worse B may be; it then decides the exit status
     #[arg(long, value_name = "FILE")]
     pub gate: Option<PathBuf>,
@@ -211,11 +216,14 @@ impl Compare {
 
     /// Both arms of every log.
     fn pairs(&self, common: &Common, modes: &[Mode]) -> Vec<LogPair> {
-        let results = fleet::each(common, &self.logs, "comparing", |log| {
-            let pair = arm::pair(log, (&self.a, self.b()), modes)?;
-            output::detail(common, || format!("{}: compared", pair.log));
+        let (a, b, modes) = (self.a.clone(), self.b().clone(), modes.to_vec());
+        let of_all = common.clone();
+        let work = move |log: &PathBuf| {
+            let pair = arm::pair(log, (&a, &b), &modes)?;
+            output::detail(&of_all, || format!("{}: compared", pair.log));
             Ok(pair)
-        });
+        };
+        let results = watch::each(common, self.logs.clone(), "comparing", self.hang_after, work);
         self.logs
             .iter()
             .zip(results)

@@ -110,6 +110,7 @@ impl Demo {
                 logs,
                 mode: ModeName::Closed,
                 human: HumanName::Playback,
+                hang_after: std::time::Duration::from_secs(30),
                 gate: None,
                 report: Some(folder.join(format!("report-{recorded_with}"))),
                 summary: None,

@@ -1,6 +1,7 @@
 //! The program as a user runs it: real processes, real files.
 
 mod bad_input;
+mod broken_controllers;
 mod comparison;
 mod exact_replay;
 mod explain;

@@ -10,7 +10,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use ::compare::{CATALOGUE, Meter};
 use anyhow::{Context as _, Result, bail};
@@ -25,8 +25,9 @@ use serde::Serialize;
 
 use crate::cli::Common;
 use crate::controller_choice::ControllerChoice;
+use crate::fleet::watch;
 use crate::status::Status;
-use crate::{arm, command, fleet, interrupt, logs, output, side_by_side};
+use crate::{arm, command, interrupt, logs, output, side_by_side};
 
 /// Replay logs into a controller.
 ///
@@ -35,7 +36,7 @@ use crate::{arm, command, fleet, interrupt, logs, output, side_by_side};
 /// own world, with sensors simulated anew from the recorded seed.
 ///
 /// With the controller that recorded the log, both give the recording back bit for bit.
-#[derive(Args)]
+#[derive(Args, Clone)]
 #[command(after_help = "\
 Examples:
   tandem replay session.mcap
@@ -98,6 +99,9 @@ pub struct How {
     /// How the recorded person is brought back in closed loop
     #[arg(long, value_enum, default_value_t = HumanName::Playback)]
     pub human: HumanName,
+    /// Give up on a controller that does not answer for so many seconds; its log then has failed
+    #[arg(long, default_value = "30", value_name = "SECONDS", value_parser = patience)]
+    pub hang_after: Duration,
 }
 
 /// `--mode`.
@@ -131,6 +135,15 @@ pub enum PlantName {
     Recorded,
     /// Identified from the log: commands against what wheels and gyro then showed
     Identified,
+}
+
+/// A span of real time.
+pub fn patience(text: &str) -> Result<Duration, String> {
+    let seconds = seconds(text)?;
+    if seconds <= 0.0 {
+        return Err("expected more than 0 seconds".to_owned());
+    }
+    Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -187,7 +200,7 @@ struct PooledGains {
 
 impl Replay {
     pub fn run(&self, common: &Common) -> Result<Status> {
-        let How { mode, human } = self.how;
+        let How { mode, human, .. } = self.how;
         let gains =
             if mode.needs_gains(human) { arm::gains(common, &self.logs) } else { Gains::PRIOR };
         let modes: Vec<Mode> = match mode {
@@ -207,9 +220,10 @@ impl Replay {
             bail!("in open loop the recorded sensors are heard: --world goes with --mode closed");
         }
         self.guard_outputs(common, several)?;
-        let results = fleet::each(common, &self.logs, "replaying", |log| {
-            self.replay_log(common, log, &modes, several)
-        });
+        let (this, of_all, all_modes) = (self.clone(), common.clone(), modes.clone());
+        let work = move |log: &PathBuf| this.replay_log(&of_all, log, &all_modes, several);
+        let limit = self.how.hang_after;
+        let results = watch::each(common, self.logs.clone(), "replaying", limit, work);
         let (mut runs, mut ladders) = (Vec::new(), Vec::new());
         for (log, result) in self.logs.iter().zip(results) {
             match result {
