@@ -52,3 +52,13 @@ deny:
 # Make the fixtures again
 fixtures:
     fixtures/make
+
+# What a comparison notices: the tables of docs/self-test.md
+self-test:
+    cargo build --release --locked
+    python3 docs/make-self-test.py
+
+# The printed laws against the corrected ones: docs/flagship.md
+flagship:
+    cargo build --release --locked
+    python3 docs/make-flagship.py

@@ -18,6 +18,9 @@ use crate::cli::Common;
 use crate::controller_choice::ControllerChoice;
 use crate::{fleet, interrupt, logs};
 
+/// Sums below this share of what was added up are rounding.
+const ROUNDING: f64 = 1e-12;
+
 /// A log, and both controllers as they are on it.
 struct Log {
     path: PathBuf,
@@ -122,13 +125,17 @@ impl Log {
 
 /// The mean over logs of each metric.
 fn means(by_log: &Values) -> Values {
-    let mut sums: BTreeMap<&str, (f64, f64)> = BTreeMap::new();
+    let mut by_metric: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for (key, value) in by_log {
-        let (sum, count) = sums.entry(key.split(' ').next().unwrap_or(key)).or_default();
-        *sum += value;
-        *count += 1.0;
+        by_metric.entry(key.split(' ').next().unwrap_or(key)).or_default().push(*value);
     }
-    sums.into_iter().map(|(name, (sum, count))| (name.to_owned(), sum / count)).collect()
+    let mean = |values: Vec<f64>| {
+        let sum: f64 = values.iter().sum();
+        let size: f64 = values.iter().map(|value| value.abs()).sum();
+        // What cancels out leaves rounding, which is no change.
+        if sum.abs() <= ROUNDING * size { 0.0 } else { sum / values.len() as f64 }
+    };
+    by_metric.into_iter().map(|(name, values)| (name.to_owned(), mean(values))).collect()
 }
 
 #[cfg(test)]
@@ -142,5 +149,7 @@ mod tests {
         };
         let got = means(&of(&[("x_m 0", 1.0), ("x_m 2", 4.0), ("y_s 1", 7.0)]));
         assert_eq!(got, of(&[("x_m", 2.5), ("y_s", 7.0)]));
+        let got = means(&of(&[("x_m 0", 0.1), ("x_m 1", 0.2), ("x_m 2", -0.3)]));
+        assert_eq!(got, of(&[("x_m", 0.0)]));
     }
 }

@@ -8,7 +8,7 @@ use std::cmp::Ordering;
 
 use super::result::{Arm, Moment};
 use crate::metrics::{CATALOGUE, Critical, Group, Measured, Metric, Switch};
-use crate::report::{number, seconds, with_unit};
+use crate::report::{number, seconds, told_apart, with_unit};
 
 /// Most stretches that are listed for one metric of one log.
 const MOST_PER_METRIC: usize = 3;
@@ -176,12 +176,11 @@ fn circumstances(switch: &Switch) -> String {
     let (before, now) = (switch.distance_before_m, switch.distance_human_m);
     if !now.is_nan() {
         let metres = |x: f64| number(Some(x));
+        let (was, is) = told_apart(before, now);
         let moved = match now.partial_cmp(&before) {
-            Some(Ordering::Less) => format!("D fell from {} to {} m", metres(before), metres(now)),
-            Some(Ordering::Greater) => {
-                format!("D rose from {} to {} m", metres(before), metres(now))
-            }
-            _ => format!("D = {} m", metres(now)),
+            Some(Ordering::Less) => format!("D fell from {was} to {is} m"),
+            Some(Ordering::Greater) => format!("D rose from {was} to {is} m"),
+            _ => format!("D = {is} m"),
         };
         parts.push(match switch.critical {
             None => moved,
