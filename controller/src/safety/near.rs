@@ -5,6 +5,9 @@
 
 use schemas::{Body, Disc, Footprint, HalfPlane, Obstacle, Pose};
 
+/// Bounds on distances are compared with this slack, metres, so that rounding never passes over a thing.
+const HAIR_M: f64 = 1e-6;
+
 /// One thing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Thing {
@@ -52,6 +55,8 @@ pub struct Near {
     obstacles: Vec<Obstacle>,
     things: Vec<NearThing>,
     pose: Pose,
+    /// The body there.
+    body: Body,
     reach_m: f64,
     horizon_s: f64,
     /// Whether the turning circle is to stay clear of what it is clear of.
@@ -84,6 +89,7 @@ impl Near {
             obstacles: obstacles.to_vec(),
             things: Vec::with_capacity(most + obstacles.len()),
             pose: Pose::default(),
+            body: Body::new(&footprint, &Pose::default()),
             reach_m: 0.0,
             horizon_s: 0.0,
             keep_circle_m: None,
@@ -104,6 +110,7 @@ impl Near {
     ) {
         self.things.clear();
         self.pose = *pose;
+        self.body = Body::new(&self.footprint, pose);
         self.reach_m = reach_m + self.circle_m;
         self.horizon_s = horizon_s;
         self.keep_circle_m = keep_circle_m;
@@ -154,17 +161,16 @@ impl Near {
 
     /// `doubt_m`: how much nearer than it should be the thing is taken to be.
     fn add(&mut self, thing: Thing, speed_mps: f64, doubt_m: f64) {
-        let body = Body::new(&self.footprint, &self.pose);
         let mut near =
             NearThing { thing, outline: Outline::TurningCircle, start_m: 0.0, speed_mps, doubt_m };
-        near.start_m = self.distance_m(&near, &body, &self.pose);
+        near.start_m = self.distance_m(&near, &self.body, &self.pose);
         self.crowded |= near.start_m + doubt_m < 0.0;
         if self.keep_circle_m.is_some_and(|keep_m| near.start_m + doubt_m >= keep_m) {
             self.things.push(near);
             return;
         }
         near.outline = Outline::Rectangle;
-        near.start_m = self.distance_m(&near, &body, &self.pose);
+        near.start_m = self.distance_m(&near, &self.body, &self.pose);
         self.things.push(near);
     }
 
@@ -188,6 +194,15 @@ impl Near {
         }
     }
 
+    /// Whether a thing is certainly farther than `within_m` from a body at `pose`: told without its outline.
+    fn is_beyond(&self, near: &NearThing, pose: &Pose, within_m: f64) -> bool {
+        let Thing::Disc(disc) = near.thing else { return false };
+        let [dx, dy] = [disc.centre_m[0] - pose.x_m, disc.centre_m[1] - pose.y_m];
+        // No point of the body is farther from its centre than the circle.
+        let reach_m = within_m + disc.radius_m + self.circle_m + HAIR_M;
+        reach_m > 0.0 && dx * dx + dy * dy > reach_m * reach_m
+    }
+
     /// Where everything was gathered about.
     pub fn pose(&self) -> &Pose {
         &self.pose
@@ -206,16 +221,19 @@ impl Near {
             return f64::INFINITY;
         }
         let body = Body::new(&self.footprint, pose);
+        let ways = [Way::new(pose, keep.v_mps), Way::new(&self.pose, keep.v_mps)];
         let mut least_m = f64::INFINITY;
         for near in &self.things {
             // What may come against the robot's way has to be left room for, however near it is already;
             // what the robot leaves behind, or stands before, it need only not come nearer to.
-            let met = met(near, pose, keep.v_mps) || met(near, &self.pose, keep.v_mps);
-            let required_m = if met {
+            let required_m = if ways.iter().any(|way| way.meets(near)) {
                 keep.guard_m + near.speed_mps * keep.later_s
             } else {
                 keep.guard_m.min(near.allowed_m(keep))
             };
+            if self.is_beyond(near, pose, required_m + least_m) {
+                continue;
+            }
             let slack_m = self.distance_m(near, &body, pose) - required_m;
             if slack_m.is_nan() {
                 return f64::NAN;
@@ -226,14 +244,29 @@ impl Near {
     }
 }
 
-/// Whether a robot at `pose` that goes the way of `v_mps` has something that may move before it: before
-/// the line through its centre across that way.
-fn met(near: &NearThing, pose: &Pose, v_mps: f64) -> bool {
-    let Thing::Disc(disc) = near.thing else { return false };
-    if near.speed_mps == 0.0 || v_mps == 0.0 {
-        return false;
+/// Which way a robot goes.
+struct Way<'a> {
+    pose: &'a Pose,
+    /// Unit vector along its heading.
+    forward: [f64; 2],
+    v_mps: f64,
+}
+
+impl Way<'_> {
+    fn new(pose: &Pose, v_mps: f64) -> Way<'_> {
+        let (sin, cos) = libm::sincos(pose.theta_rad);
+        Way { pose, forward: [cos, sin], v_mps }
     }
-    let (sin, cos) = libm::sincos(pose.theta_rad);
-    let [dx, dy] = [disc.centre_m[0] - pose.x_m, disc.centre_m[1] - pose.y_m];
-    libm::copysign(1.0, v_mps) * (dx * cos + dy * sin) > 0.0
+
+    /// Whether it has something that may move before it: before the line through its centre across its
+    /// way.
+    fn meets(&self, near: &NearThing) -> bool {
+        let Thing::Disc(disc) = near.thing else { return false };
+        if near.speed_mps == 0.0 || self.v_mps == 0.0 {
+            return false;
+        }
+        let [cos, sin] = self.forward;
+        let [dx, dy] = [disc.centre_m[0] - self.pose.x_m, disc.centre_m[1] - self.pose.y_m];
+        libm::copysign(1.0, self.v_mps) * (dx * cos + dy * sin) > 0.0
+    }
 }
