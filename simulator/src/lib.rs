@@ -10,6 +10,7 @@
 //! environment, no global randomness.
 
 mod error;
+mod heading;
 mod human;
 mod noise;
 mod plant;

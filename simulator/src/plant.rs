@@ -11,6 +11,8 @@ use std::collections::VecDeque;
 
 use schemas::{Command, NS_PER_S, Plant as Limits, Pose, Start, Twist};
 
+use crate::heading::sincos;
+
 /// Longest step of the RK4 integration, seconds. At the limits of the robot one such step is wrong
 /// by about 1e-12 m.
 const LONGEST_STEP_S: f64 = 0.01;
@@ -247,19 +249,6 @@ fn sinc(x: f64) -> f64 {
     }
 }
 
-#[cfg(not(feature = "canary"))]
-fn sincos(angle_rad: f64) -> (f64, f64) {
-    libm::sincos(angle_rad)
-}
-
-/// The planted fault: the standard library's sine differs between machines, and so do the poses of
-/// such a build. The determinism check has to notice.
-#[cfg(feature = "canary")]
-#[expect(clippy::disallowed_methods, reason = "the fault that the determinism check must find")]
-fn sincos(angle_rad: f64) -> (f64, f64) {
-    (angle_rad.sin(), libm::cos(angle_rad))
-}
-
 /// The exact motion at constant speeds: the chord of the circle through both poses.
 fn arc(pose: &Pose, v_mps: f64, omega_radps: f64, span_s: f64) -> Pose {
     let half_turn_rad = 0.5 * omega_radps * span_s;
@@ -279,7 +268,7 @@ fn spiral(pose: &Pose, speeds: [f64; 2], rates: [f64; 2], span_s: f64) -> Pose {
     let heading = |t_s: f64| pose.theta_rad + t_s * (speeds[1] + 0.5 * rates[1] * t_s);
     let velocity = |t_s: f64| {
         let v_mps = speeds[0] + rates[0] * t_s;
-        let (sin, cos) = libm::sincos(heading(t_s));
+        let (sin, cos) = sincos(heading(t_s));
         [v_mps * cos, v_mps * sin]
     };
     let mut position_m = pose.position_m();

@@ -2,6 +2,7 @@
 
 use schemas::{ImuNoise, ImuSample, Time};
 
+use crate::heading::sincos;
 use crate::noise::{Purpose, Stream};
 use crate::plant::Plant;
 
@@ -34,7 +35,7 @@ impl Imu {
             _ => 0.0,
         };
         self.before = Some((twist.v_mps, t_s));
-        let (sin, cos) = libm::sincos(plant.pose().theta_rad);
+        let (sin, cos) = sincos(plant.pose().theta_rad);
         let [north, west, up] = EARTH_FIELD_UT;
         let mut sample = ImuSample {
             stamp,

@@ -19,6 +19,7 @@ use schemas::{
 };
 
 use super::cone::{Cone, Fan, SONAR_CONE_HALF_DEG, Surfaces};
+use crate::heading::sincos;
 use crate::noise::{Purpose, Reading, Stream};
 
 /// Sonars in one array, and firings in a full sweep.
@@ -87,7 +88,7 @@ impl Sonars {
     ) -> SonarScan {
         self.surfaces.discs.clear();
         self.surfaces.discs.extend(world.discs_at(t_s));
-        let (sin, cos) = libm::sincos(pose.theta_rad);
+        let (sin, cos) = sincos(pose.theta_rad);
         let firing = (slot % ARRAY as u64) as usize;
         let echoes = [firing, ARRAY + firing].map(|id| {
             let mount = &self.mounts[id];
