@@ -9,6 +9,7 @@ mod fixtures;
 mod help;
 mod interruption;
 mod map;
+mod odd_logs;
 mod plot;
 mod program;
 mod self_test;

@@ -133,7 +133,9 @@ fn points(scenario: &Scenario, moments: &[Moment], grid_m: f64) -> Vec<[f64; 2]>
     if !grid_m.is_finite() {
         return Vec::new();
     }
-    let cells = [0, 1].map(|axis| libm::floor(extent(axis) / grid_m) as u32);
+    // The area alone does not bound a strip: one pose that is far off must not ask for billions.
+    let cells =
+        [0, 1].map(|axis| (libm::floor(extent(axis) / grid_m) as u32).min(MOST_POINTS as u32));
     let mut points = Vec::new();
     for row in 0..=cells[1] {
         for column in 0..=cells[0] {

@@ -5,6 +5,9 @@ use std::collections::BTreeMap;
 use super::{Arm, LogError};
 use crate::{FORMAT_VERSION, Header, RunInfo, Scenario, Time};
 
+/// The first version of the log format.
+const OLDEST_VERSION: u32 = 1;
+
 /// Name of the metadata record.
 pub(super) const RUN: &str = "tandem.run";
 /// Name of the attachment with every parameter of the controller that drove.
@@ -60,6 +63,11 @@ pub(super) fn from_map(map: &BTreeMap<String, String>) -> Result<RunInfo, LogErr
     let format_version = u32::try_from(format_version).unwrap_or(u32::MAX);
     if format_version > FORMAT_VERSION {
         return Err(LogError::TooNew { found: format_version, known: FORMAT_VERSION });
+    }
+    if format_version < OLDEST_VERSION {
+        return Err(LogError::Header(format!(
+            "log format version {format_version} is older than {OLDEST_VERSION}, the first there was"
+        )));
     }
     let text = |key: &str| map.get(key).cloned().unwrap_or_default();
     Ok(RunInfo {
