@@ -5,7 +5,7 @@
 
 Runs `tandem compare --self-test` for each controller and writes what it says. Needs nothing but
 Python's own library and the release build. By default 200 comparisons with other noise for
-`tandem-kinematic` and 40 for `tandem-dynamic`, whose steps are ten times as many.
+`tandem-kinematic` and 20 for `tandem-dynamic`, whose steps are ten times as many.
 """
 
 import json
@@ -21,6 +21,7 @@ BEGIN, END = "<!-- figures: made by docs/make-self-test.py -->", "<!-- end of fi
 
 
 def section(controller: str, alarms: str) -> list[str]:
+    """Runs it, and says what came of it."""
     began = time.monotonic()
     run = subprocess.run(
         [str(TANDEM), "compare", "--quiet", "--format", "json", "--self-test", "--alarms", alarms, "--a", controller],
@@ -62,7 +63,7 @@ def section(controller: str, alarms: str) -> list[str]:
 
 
 def main() -> None:
-    asked = sys.argv[1:] or ["tandem-kinematic=200", "tandem-dynamic=40"]
+    asked = sys.argv[1:] or ["tandem-kinematic=200", "tandem-dynamic=20"]
     lines = [line for one in asked for line in section(*one.split("="))]
     before, rest = PAGE.read_text().split(BEGIN)
     after = rest.split(END)[1]

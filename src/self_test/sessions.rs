@@ -50,21 +50,23 @@ pub fn of_logs(common: &Common, paths: &[PathBuf]) -> Result<Vec<Session>> {
 }
 
 /// Sessions of our own: random rooms with sixteen faulty sonars, recorded with the controller that is
-/// tested.
+/// tested. Each has a seed of its own: with one for all they would share their noise.
 pub fn built_in(common: &Common, controller: &ControllerChoice) -> Result<Vec<Session>> {
     let mut names = Vec::new();
     for kind in KINDS {
         names.extend((1..=OF_EACH_KIND).map(|number| format!("random:{kind}:{number}")));
     }
-    let recorded = fleet::each(common, &names, "recording", |name| record(name, controller));
+    let numbered: Vec<(u64, &String)> = (1..).zip(&names).collect();
+    let recorded =
+        fleet::each(common, &numbered, "recording", |(seed, name)| record(name, *seed, controller));
     recorded.into_iter().collect()
 }
 
 /// Records a session into memory.
-fn record(name: &str, controller: &ControllerChoice) -> Result<Session> {
+fn record(name: &str, seed: u64, controller: &ControllerChoice) -> Result<Session> {
     let scenario = scenario(name)?;
     let spec = controller.for_scenario(&scenario)?;
-    let (sensors, start, seed) = (SensorSuite::Sonar, SIMULATION_EPOCH, 0);
+    let (sensors, start) = (SensorSuite::Sonar, SIMULATION_EPOCH);
     let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
     let runner = Runner::new(&setup)?;
     let human = simulator::driver(&scenario, scenario.driver, seed)?;
