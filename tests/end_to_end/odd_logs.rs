@@ -233,7 +233,7 @@ fn heads_of_other_versions() {
         &whole,
         &here.path("old.mcap"),
         |head| {
-            head.retain(|key, _| !["commit", "dirty", "note", "operator"].contains(&key.as_str()))
+            head.retain(|key, _| !["commit", "dirty", "note", "operator"].contains(&key.as_str()));
         },
         |_, time| time,
     );
