@@ -64,6 +64,8 @@ pub struct Near {
     known: [bool; 2],
     /// Whether something is within the turning circle.
     crowded: bool,
+    /// Distance of the turning circle to the nearest thing, metres.
+    circle_clear_m: f64,
 }
 
 /// How a place is judged.
@@ -95,6 +97,7 @@ impl Near {
             keep_circle_m: None,
             known: [true; 2],
             crowded: false,
+            circle_clear_m: f64::INFINITY,
         }
     }
 
@@ -116,6 +119,7 @@ impl Near {
         self.keep_circle_m = keep_circle_m;
         self.known = [true; 2];
         self.crowded = false;
+        self.circle_clear_m = f64::INFINITY;
     }
 
     /// Says whether the directions ahead and behind have been looked at.
@@ -132,6 +136,11 @@ impl Near {
     /// Whether something is within the turning circle, though not what may only be there.
     pub fn crowded(&self) -> bool {
         self.crowded
+    }
+
+    /// How clear the turning circle is of everything, metres; +∞ with nothing within reach.
+    pub fn circle_clear_m(&self) -> f64 {
+        self.circle_clear_m
     }
 
     /// Adds a wall.
@@ -164,6 +173,7 @@ impl Near {
         let mut near =
             NearThing { thing, outline: Outline::TurningCircle, start_m: 0.0, speed_mps, doubt_m };
         near.start_m = self.distance_m(&near, &self.body, &self.pose);
+        self.circle_clear_m = self.circle_clear_m.min(near.start_m + doubt_m);
         self.crowded |= near.start_m + doubt_m < 0.0;
         if self.keep_circle_m.is_some_and(|keep_m| near.start_m + doubt_m >= keep_m) {
             self.things.push(near);
@@ -226,7 +236,7 @@ impl Near {
         for near in &self.things {
             // What may come against the robot's way has to be left room for, however near it is already;
             // what the robot leaves behind, or stands before, it need only not come nearer to.
-            let required_m = if ways.iter().any(|way| way.meets(near)) {
+            let required_m = if ways.iter().any(|way| way.meets(near, keep.later_s)) {
                 keep.guard_m + near.speed_mps * keep.later_s
             } else {
                 keep.guard_m.min(near.allowed_m(keep))
@@ -258,15 +268,16 @@ impl Way<'_> {
         Way { pose, forward: [cos, sin], v_mps }
     }
 
-    /// Whether it has something that may move before it: before the line through its centre across its
-    /// way.
-    fn meets(&self, near: &NearThing) -> bool {
+    /// Whether it may have something that moves before it: before the line through its centre across
+    /// its way, or where that thing can have come `later_s` from now.
+    fn meets(&self, near: &NearThing, later_s: f64) -> bool {
         let Thing::Disc(disc) = near.thing else { return false };
         if near.speed_mps == 0.0 || self.v_mps == 0.0 {
             return false;
         }
         let [cos, sin] = self.forward;
         let [dx, dy] = [disc.centre_m[0] - self.pose.x_m, disc.centre_m[1] - self.pose.y_m];
-        libm::copysign(1.0, self.v_mps) * (dx * cos + dy * sin) > 0.0
+        let before_m = libm::copysign(1.0, self.v_mps) * (dx * cos + dy * sin);
+        before_m + near.speed_mps * later_s > 0.0
     }
 }
