@@ -37,7 +37,16 @@ fn sweep(kind: u8, accel_mps2: f64, period_s: f64) -> Sweep {
     let plant =
         Plant { limits_acceleration: kind == 1, accel_max_mps2: accel_mps2, ..Plant::default() };
     let (guard_m, speeds) = (GUARD_M, [0.0; 2]);
-    Sweep { plant, accelerations: kind == 2, period_s, guard_m, later_s: 0.0, speeds }
+    let turn_most_radps = f64::INFINITY;
+    Sweep {
+        plant,
+        accelerations: kind == 2,
+        period_s,
+        guard_m,
+        later_s: 0.0,
+        speeds,
+        turn_most_radps,
+    }
 }
 
 /// A period of the plant in short steps by the midpoint rule: an integrator of its own.
@@ -203,6 +212,34 @@ fn people_are_left_room() {
         assert_eq!(sweep.allows([0.3, 0.0], &near), passes);
         assert!(sweep.allows([0.0, 0.0], &near) && sweep.allows([-0.3, 0.0], &near));
     }
+}
+
+/// Someone just behind the line across the robot's way, abeam, may walk along with it and come before that
+/// line: then going on is not harmless. From farther behind than they can walk meanwhile it is.
+#[test]
+fn people_abeam_are_left_room_too() {
+    let sweep = sweep(0, 2.0, 0.1);
+    for (behind_m, passes) in [(0.0, false), (0.04, true)] {
+        let mut near = Near::new(BODY, &[], 1);
+        near.clear(&Pose::default(), sweep.reach(), None);
+        let centre_m = [-behind_m, 0.25 + 0.035 + 0.2];
+        near.disc(Disc { centre_m, radius_m: 0.2 }, 0.3, 0.0);
+        assert_eq!(sweep.allows([0.29, 0.0], &near), passes, "{behind_m}");
+    }
+}
+
+/// Where the robot is to turn slowly, faster turning is brought down and slower left alone; what turns faster
+/// already may slow down, however little, if it cannot do better.
+#[test]
+fn turning_can_be_slowed() {
+    let sweep = Sweep { turn_most_radps: 1.0, ..sweep(0, 2.0, 0.1) };
+    let near = Near::new(BODY, &[], 0);
+    assert_eq!(sweep.project([0.3, 1.0], &near), [0.3, 1.0]);
+    assert!(sweep.project([0.3, 2.0], &near)[1] <= 1.0);
+    let gradual = Sweep { speeds: [0.0, 2.0], ..self::sweep(2, 2.0, 0.1) };
+    let gradual = Sweep { turn_most_radps: 1.0, ..gradual };
+    assert!(gradual.allows([0.0, -1.0], &near));
+    assert!(!gradual.allows([0.0, 0.0], &near));
 }
 
 /// 0.3 m/s² needs 0.7²/0.6 = 0.817 m from 0.7 m/s, and 0.07 m for a period of holding: 0.887 m and the

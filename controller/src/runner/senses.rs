@@ -5,7 +5,7 @@
 //! exact pose and rays go into the attached world; with sonars odometry and the map of echoes take
 //! their place.
 
-use schemas::{ExactPose, Footprint, Pose, Sample, Scenario, SensorSuite, Time, World};
+use schemas::{Disc, ExactPose, Footprint, Pose, Sample, Scenario, SensorSuite, Time, World};
 
 use crate::digest::Digest;
 use crate::estimation::{Estimate, Odometry, Report};
@@ -183,6 +183,11 @@ impl Senses {
         }
     }
 
+    /// Whether the surroundings are looked at one direction after the other.
+    pub(super) fn swept_in_turn(&self) -> bool {
+        matches!(self, Senses::Sonar(_))
+    }
+
     /// Adds what is near; to be asked after [`Senses::advance`]. What may move does so at no more
     /// than `v_disc_mps`.
     pub(super) fn gather(&self, near: &mut Near, v_disc_mps: f64) {
@@ -209,6 +214,9 @@ impl Senses {
                     let speed_mps = if may_move { v_disc_mps } else { 0.0 };
                     near.disc(disc, speed_mps, disc.radius_m);
                 }
+                sonar.map.walls_between(|centre_m| {
+                    near.disc(Disc { centre_m, radius_m: 0.0 }, 0.0, 0.0);
+                });
             }
         }
     }

@@ -145,6 +145,7 @@ impl Setup {
             guard_m: params.body_guard_m,
             later_s: plant.actuator_delay_s,
             speeds: [v_mps, omega_radps],
+            turn_most_radps: f64::INFINITY,
         };
         match params.projection {
             Projection::Rectangle | Projection::Circle => return Some(Shield::Swept(sweep)),

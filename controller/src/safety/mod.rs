@@ -90,6 +90,18 @@ impl Shield {
         }
     }
 
+    /// The same, but where the body is swept it turns no faster than `most_radps`.
+    #[must_use]
+    pub fn turning_at_most(mut self, most_radps: f64) -> Shield {
+        match &mut self {
+            Shield::Velocity(_) | Shield::Acceleration(_) => {}
+            Shield::Swept(sweep)
+            | Shield::VelocitySwept(_, sweep)
+            | Shield::AccelerationSwept(_, sweep) => sweep.turn_most_radps = most_radps,
+        }
+        self
+    }
+
     /// The part that sweeps the body, if any.
     pub fn sweep(&self) -> Option<&Sweep> {
         match self {

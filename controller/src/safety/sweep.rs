@@ -70,6 +70,8 @@ pub struct Sweep {
     pub later_s: f64,
     /// Speeds when the input takes effect, [m/s, rad/s].
     pub speeds: [f64; 2],
+    /// Fastest turn rate that is allowed, rad/s, beside what the plant can do.
+    pub turn_most_radps: f64,
 }
 
 /// How far a motion has been followed.
@@ -120,14 +122,21 @@ impl Sweep {
         let mut trip = Trip { later_s: self.later_s, places: 0 };
         let drive = self.drive(u);
         robot.speeds = drive.taken_up(&self.plant, robot.speeds);
-        let v_end_mps = robot.speeds_after(&self.plant, drive, self.period_s)[0];
-        if !near.knows_the_way(v_end_mps) {
+        let [v_end_mps, omega_end_radps] = robot.speeds_after(&self.plant, drive, self.period_s);
+        if !near.knows_the_way(v_end_mps) || !self.turns_slowly(omega_end_radps) {
             return false;
         }
         if !self.clear_along(&mut robot, drive, self.period_s, &mut trip, near) {
             return false;
         }
         self.comes_to_rest(&mut robot, &mut trip, near)
+    }
+
+    /// Whether the robot turns no faster than it is to, or at least less fast than it does.
+    fn turns_slowly(&self, end_radps: f64) -> bool {
+        let gradual = self.accelerations || self.plant.limits_acceleration;
+        let end_radps = libm::fabs(end_radps);
+        end_radps <= self.turn_most_radps || (gradual && end_radps < libm::fabs(self.speeds[1]))
     }
 
     /// Whether braking from here is harmless.

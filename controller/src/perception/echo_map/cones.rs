@@ -50,6 +50,8 @@ impl Reading {
 struct Cone {
     fired: Option<Time>,
     reading: Reading,
+    /// When it last heard an echo.
+    echoed: Option<Time>,
     fresh: bool,
     heard: bool,
 }
@@ -63,7 +65,13 @@ pub(super) struct Cones {
 
 impl Cones {
     pub(super) fn new() -> Cones {
-        let silent = Cone { fired: None, reading: Reading::Unknown, fresh: false, heard: false };
+        let silent = Cone {
+            fired: None,
+            reading: Reading::Unknown,
+            echoed: None,
+            fresh: false,
+            heard: false,
+        };
         Cones { cones: [silent; SONARS.len()], all_fresh: false }
     }
 
@@ -72,11 +80,19 @@ impl Cones {
         self.cones[id].fired
     }
 
+    /// Whether this sonar has heard an echo after an instant.
+    pub(super) fn echoed_after(&self, id: u8, instant: Time) -> bool {
+        self.cones[usize::from(id)].echoed.is_some_and(|echoed| echoed > instant)
+    }
+
     /// Takes a sonar's newest reading.
     pub(super) fn hear(&mut self, id: usize, fired: Time, reading: Reading) {
         let cone = &mut self.cones[id];
         cone.fired = Some(fired);
         cone.reading = reading;
+        if matches!(reading, Reading::Echo(_)) {
+            cone.echoed = Some(fired);
+        }
         cone.heard |= reading != Reading::Unknown;
     }
 

@@ -219,6 +219,7 @@ mod tests {
 
     fn heard(at_m: [f64; 2], range_m: f64, confirmed: bool) -> Point {
         let echo = PlacedEcho {
+            sonar: 3,
             from_m: [0.0; 2],
             axis: [1.0, 0.0],
             arc_m: [at_m; ARC_POINTS],

@@ -29,6 +29,7 @@ mod limit;
 mod points;
 mod ray;
 mod scan;
+mod walls;
 
 use schemas::{Disc, Footprint, Pose, SONARS, SonarEcho, SonarScan, Span, Time};
 
@@ -57,9 +58,9 @@ const RANGE_SHARE: f64 = 0.01;
 const DRIFT_SHARE: f64 = 0.03;
 const DRIFT_MOST_M: f64 = 0.12;
 
-/// Up to this age what echoed may be on its way towards the robot; what is older has been
-/// looked at again, or is remembered because it stood still (prototype).
-const MOVING: Span = Span(500_000_000);
+/// What echoed may be on its way towards the robot until its sonar has heard an echo again, or for this
+/// long: silence does not say that it is gone. Chosen: two sweeps, one of them silent.
+const MOVING: Span = Span(700_000_000);
 
 /// What has echoed from one place for this long stands: within the reach of a repetition, 3 cm
 /// and 2 % of the range, it can have moved by 5 cm/s. Chosen: three sweeps.
@@ -220,8 +221,8 @@ impl EchoMap {
         least_m
     }
 
-    /// Most points there can be.
-    pub(crate) const MOST_POINTS: usize = Points::CAPACITY;
+    /// Most points there can be, those of walls between them too.
+    pub(crate) const MOST_POINTS: usize = Points::CAPACITY + walls::MOST_POINTS;
 
     /// Everything that was heard, each point as a disc of its uncertainty, world frame, and whether it
     /// may be on its way. To be asked after [`EchoMap::advance`].
@@ -230,9 +231,14 @@ impl EchoMap {
         self.points.iter().map(move |point| {
             let moved_m = self.moved_m(point, now);
             let radius_m = EchoMap::uncertainty_m(point, self.advanced_at_m) + moved_m;
-            let may_move = now.since(point.fired) < MOVING && !stands(point);
-            (Disc { centre_m: point.at_m, radius_m }, may_move)
+            (Disc { centre_m: point.at_m, radius_m }, self.may_move(point, now))
         })
+    }
+
+    /// Where walls may be between neighbouring confirmed points, near the place given to
+    /// [`EchoMap::advance`]: see [`walls`].
+    pub(crate) fn walls_between(&self, each: impl FnMut([f64; 2])) {
+        walls::between(self.law.points_m(), self.law.about_m(), each);
     }
 
     /// Whether the ways ahead and behind have been looked at: every sonar within 50° of either.
@@ -332,6 +338,7 @@ impl EchoMap {
         let from_m = to_world.point_m(beam.mount_m);
         let arc = beam.arc.map(|direction| to_world.vector(direction));
         let placed = PlacedEcho {
+            sonar: echo.id,
             from_m,
             axis: arc[arc.len() / 2],
             arc_m: arc.map(|[x, y]| [from_m[0] + range_m * x, from_m[1] + range_m * y]),
@@ -391,8 +398,18 @@ impl EchoMap {
 
     /// How far what echoed there may have come since, metres.
     fn moved_m(&self, point: &Point, now: Time) -> f64 {
-        let age = now.since(point.fired);
-        if age >= MOVING || stands(point) { 0.0 } else { self.settings.v_disc_mps * age.seconds() }
+        if self.may_move(point, now) {
+            self.settings.v_disc_mps * now.since(point.fired).seconds()
+        } else {
+            0.0
+        }
+    }
+
+    /// Whether what echoed there may have left for elsewhere.
+    fn may_move(&self, point: &Point, now: Time) -> bool {
+        !stands(point)
+            && now.since(point.fired) < MOVING
+            && !self.cones.echoed_after(point.sonar, point.fired)
     }
 }
 

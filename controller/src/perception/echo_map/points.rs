@@ -24,9 +24,12 @@ const CONFIRMED_LIFE: Span = Span(5_000_000_000);
 
 /// … but where the robot has hardly moved since, by this much of the odometer, metres, odometry has not
 /// drifted either, and it is remembered for this long: a robot that waits before a corner which
-/// only echoes now and then must not forget it.
+/// only echoes now and then must not forget it. This holds for what so many other firings have heard: a false
+/// echo is easily confirmed by one, when something else stands near the place, and would hold a robot that
+/// rests before it for as long.
 const RESTING_WITHIN_M: f64 = 0.3;
 const RESTING_LIFE: Span = Span(60_000_000_000);
+const RESTING_HEARD: u8 = 2;
 
 /// An unconfirmed one this long: a sonar fires again after 0.32 s.
 const UNCONFIRMED_LIFE: Span = Span(400_000_000);
@@ -41,6 +44,11 @@ const CONFIRM_HALF_CONE_DEG: f64 = 13.0;
 const CONFIRM_WITHIN_M: f64 = 0.10;
 const CONFIRM_WITHIN_SHARE: f64 = 0.03;
 
+/// … close by no more than this, metres, and this share of the range: where all is near, a false echo from
+/// before the body would be confirmed by whatever stands behind it.
+const CONFIRM_CLOSE_M: f64 = 0.04;
+const CONFIRM_CLOSE_SHARE: f64 = 0.2;
+
 /// A new point replaces confirming ones within this, metres, and this share of its range: about the
 /// noise of a range.
 const REPEAT_WITHIN_M: f64 = 0.03;
@@ -48,6 +56,10 @@ const REPEAT_WITHIN_SHARE: f64 = 0.02;
 
 /// An echo carves no farther than this off its axis, degrees: its cone less a margin.
 const CARVE_HALF_CONE_DEG: f64 = 8.0;
+
+/// … but for points of the sonar itself, which are up to 10° off: what a false echo put at the edges of a
+/// cone would stay before a robot at rest as long as it remembers.
+const CARVE_OWN_HALF_CONE_DEG: f64 = 11.0;
 
 /// … and nearer than this share of its range less this many metres: what is left keeps the noise
 /// of a range from carving the obstacle itself, and no more, since points that stay there wrongly hide
@@ -63,9 +75,17 @@ const HAIR_M: f64 = 1e-6;
 /// How many echoes must have looked through a point before it goes.
 const CARVE_HITS: u8 = 2;
 
+/// … and a confirmed one that was heard from nearer than this, metres. A convex corner echoes only now and
+/// then, from 1.2 m at the farthest, and while it keeps silent what stands behind it is heard: two such
+/// echoes in a row are common there, four are not.
+const CARVE_NEAR_M: f64 = 1.0;
+const CARVE_NEAR_HITS: u8 = 4;
+
 /// An echo, placed in the odometry frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PlacedEcho {
+    /// Which sonar heard it, by id.
+    pub(super) sonar: u8,
     /// Face of the sonar, metres.
     pub(super) from_m: [f64; 2],
     /// Unit vector along the axis.
@@ -83,6 +103,8 @@ pub(super) struct PlacedEcho {
 /// A place from which an echo may have come.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Point {
+    /// Which sonar heard it, by id.
+    pub(super) sonar: u8,
     /// Position, metres.
     pub(super) at_m: [f64; 2],
     /// Range at which it was heard, metres.
@@ -93,6 +115,8 @@ pub(super) struct Point {
     pub(super) odometer_m: f64,
     /// Whether another firing heard it too.
     pub(super) confirmed: bool,
+    /// How many other firings have heard it, of all the echoes that repeated one another.
+    heard: u8,
     /// How many newer echoes have looked through it.
     carved: u8,
     /// When something was first heard here, of all the echoes that repeated one another.
@@ -102,13 +126,21 @@ pub(super) struct Point {
 impl Point {
     /// A point of `echo`.
     pub(super) fn new(echo: &PlacedEcho, at_m: [f64; 2], confirmed: bool) -> Point {
-        let PlacedEcho { range_m, fired, odometer_m, .. } = *echo;
-        Point { at_m, range_m, fired, odometer_m, confirmed, carved: 0, since: fired }
+        let PlacedEcho { sonar, range_m, fired, odometer_m, .. } = *echo;
+        let heard = u8::from(confirmed);
+        Point { sonar, at_m, range_m, fired, odometer_m, confirmed, heard, carved: 0, since: fired }
+    }
+
+    /// How many echoes must have looked through it before it goes.
+    fn carving_hits(&self) -> u8 {
+        if self.confirmed && self.range_m < CARVE_NEAR_M { CARVE_NEAR_HITS } else { CARVE_HITS }
     }
 
     pub(super) fn fold(&self, digest: &mut Digest, start: Time) {
+        digest.word(u64::from(self.sonar));
         digest.numbers(&[self.at_m[0], self.at_m[1], self.range_m, self.odometer_m]);
         digest.time(self.fired, start);
+        digest.word(u64::from(self.heard));
         digest.word(u64::from(self.carved) << 1 | u64::from(self.confirmed));
         digest.time(self.since, start);
     }
@@ -122,6 +154,7 @@ pub(super) struct Points {
     met: Vec<u16>,
     confirm_slope: f64,
     carve_slope: f64,
+    carve_own_slope: f64,
 }
 
 impl Points {
@@ -135,6 +168,7 @@ impl Points {
             met: Vec::with_capacity(Points::CAPACITY),
             confirm_slope: libm::tan(CONFIRM_HALF_CONE_DEG.to_radians()),
             carve_slope: libm::tan(CARVE_HALF_CONE_DEG.to_radians()),
+            carve_own_slope: libm::tan(CARVE_OWN_HALF_CONE_DEG.to_radians()),
         }
     }
 
@@ -152,21 +186,21 @@ impl Points {
 
     /// Takes an echo; true if it is confirmed.
     pub(super) fn hear(&mut self, echo: &PlacedEcho) -> bool {
-        let arc = Arc::of(echo, self.confirm_slope, self.carve_slope);
+        let arc = Arc::of(echo, self.confirm_slope, [self.carve_slope, self.carve_own_slope]);
         self.meet(&arc);
         let confirms = |met: &u16| {
             let point = &self.kept[usize::from(*met)];
             arc.confirms(point, &arc.sight(point.at_m))
         };
         let confirmed = self.met.iter().any(confirms);
-        let mut since = [echo.fired; ARC_POINTS];
+        let mut points = echo.arc_m.map(|at_m| Point::new(echo, at_m, confirmed));
         if confirmed {
-            self.date_back(&arc, &mut since);
+            self.date_back(&arc, &mut points);
             self.weigh(&arc);
         }
-        for (at_m, since) in echo.arc_m.into_iter().zip(since) {
+        for point in points {
             self.make_room();
-            self.kept.push(Point { since, ..Point::new(echo, at_m, confirmed) });
+            self.kept.push(point);
         }
         confirmed
     }
@@ -183,16 +217,18 @@ impl Points {
         self.met.truncate(count);
     }
 
-    /// Since when there is something at each of an echo's points: as long as at the points that it
-    /// repeats.
-    fn date_back(&self, arc: &Arc<'_>, since: &mut [Time; ARC_POINTS]) {
+    /// Since when there is something at each of an echo's points, and how many have heard it: as long as at
+    /// the points that it repeats, and one more than those.
+    fn date_back(&self, arc: &Arc<'_>, points: &mut [Point; ARC_POINTS]) {
         for point in self.met.iter().map(|met| &self.kept[usize::from(*met)]) {
             if point.fired >= arc.echo.fired {
                 continue;
             }
-            for (at_m, since) in arc.echo.arc_m.iter().zip(since.iter_mut()) {
-                if point.since < *since && arc.repeats_at(point, *at_m) {
-                    *since = point.since;
+            for newer in points.iter_mut() {
+                let adds = point.since < newer.since || point.heard >= newer.heard;
+                if adds && arc.repeats_at(point, newer.at_m) {
+                    newer.since = newer.since.min(point.since);
+                    newer.heard = newer.heard.max(point.heard.saturating_add(1));
                 }
             }
         }
@@ -207,11 +243,12 @@ impl Points {
             let older = point.fired < arc.echo.fired;
             let sight = arc.sight(point.at_m);
             let mut goes = false;
-            if older && arc.carves(&sight) {
+            if older && arc.carves(point, &sight) {
                 point.carved += 1;
-                goes = point.carved >= CARVE_HITS;
+                goes = point.carved >= point.carving_hits();
             } else if arc.confirms(point, &sight) {
                 point.confirmed = true;
+                point.heard = point.heard.saturating_add(1);
                 goes = older && arc.repeats(point);
             }
             self.met[gone] = met;
@@ -241,7 +278,9 @@ impl Points {
         self.kept.retain(|point| {
             let life = if !point.confirmed {
                 UNCONFIRMED_LIFE
-            } else if odometer_m - point.odometer_m <= RESTING_WITHIN_M {
+            } else if point.heard >= RESTING_HEARD
+                && odometer_m - point.odometer_m <= RESTING_WITHIN_M
+            {
                 RESTING_LIFE
             } else {
                 CONFIRMED_LIFE
@@ -275,6 +314,7 @@ struct Arc<'a> {
     on_arc_m2: [f64; 2],
     confirm_slope: f64,
     carve_slope: f64,
+    carve_own_slope: f64,
     /// Squared distance up to which the echo has looked through a point, metres².
     carve_below_m2: f64,
     repeat_within_m2: f64,
@@ -291,9 +331,11 @@ struct Sight {
 }
 
 impl Arc<'_> {
-    fn of(echo: &PlacedEcho, confirm_slope: f64, carve_slope: f64) -> Arc<'_> {
+    fn of(echo: &PlacedEcho, confirm_slope: f64, carve_slopes: [f64; 2]) -> Arc<'_> {
+        let [carve_slope, carve_own_slope] = carve_slopes;
         let range_m = echo.range_m;
-        let within_m = CONFIRM_WITHIN_M + CONFIRM_WITHIN_SHARE * range_m;
+        let within_m = (CONFIRM_WITHIN_M + CONFIRM_WITHIN_SHARE * range_m)
+            .min(CONFIRM_CLOSE_M + CONFIRM_CLOSE_SHARE * range_m);
         let nearest_m = (range_m - within_m).max(0.0);
         let farthest_m = range_m + within_m;
         let repeat_m = REPEAT_WITHIN_M + REPEAT_WITHIN_SHARE * range_m;
@@ -304,6 +346,7 @@ impl Arc<'_> {
             on_arc_m2: [nearest_m * nearest_m, farthest_m * farthest_m],
             confirm_slope,
             carve_slope,
+            carve_own_slope,
             carve_below_m2: carve_below_m * carve_below_m,
             repeat_within_m2: repeat_m * repeat_m,
             repeat_beyond_m2: repeat_beyond_m * repeat_beyond_m,
@@ -323,7 +366,7 @@ impl Arc<'_> {
 
     /// Whether a point can matter to the echo: false only where it neither carves, confirms nor repeats.
     fn concerns(&self, sight: &Sight) -> bool {
-        // The cone of carving is within that of confirming, and what repeats is nearer than what
+        // The cones of carving are within that of confirming, and what repeats is nearer than what
         // confirms.
         let may_repeat =
             (sight.distance_m2 >= self.repeat_beyond_m2) & (sight.forward_m >= self.repeat_ahead_m);
@@ -337,9 +380,10 @@ impl Arc<'_> {
     }
 
     /// Whether the echo has looked through a point.
-    fn carves(&self, sight: &Sight) -> bool {
-        sight.distance_m2 < self.carve_below_m2
-            && sight.aside_m <= self.carve_slope * sight.forward_m
+    fn carves(&self, point: &Point, sight: &Sight) -> bool {
+        let slope =
+            if point.sonar == self.echo.sonar { self.carve_own_slope } else { self.carve_slope };
+        sight.distance_m2 < self.carve_below_m2 && sight.aside_m <= slope * sight.forward_m
     }
 
     /// Whether a point of another firing lies on the arc.

@@ -106,7 +106,12 @@ impl Scan {
         self.window = self.least_sines.iter().take_while(met).count();
     }
 
-    /// The nearest points, metres, world frame.
+    /// The place that it is about, metres.
+    pub(super) fn about_m(&self) -> [f64; 2] {
+        self.about_m
+    }
+
+    /// The nearest points, metres, world frame, in the order of their directions.
     pub(super) fn points_m(&self) -> &[[f64; 2]] {
         &self.seen[..self.count]
     }
