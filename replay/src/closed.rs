@@ -102,8 +102,10 @@ impl<R: Read> ClosedLoop<R> {
             },
             person.of_recording(recording),
         )?;
+        let mut source = Faulty::new(Led::new(simulation), start);
+        source.silence(recording.gaps());
         Ok(ClosedLoop {
-            session: Session::new(Faulty::new(Led::new(simulation), start), runner),
+            session: Session::new(source, runner),
             beside,
             tally: Tally::new(Covered::Everything, start),
             watch: Watch::new(Arc::clone(recording), person.gains()),

@@ -5,9 +5,9 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-use schemas::{GyroBiasStep, Noise, Scenario, SensorSuite, SlipBurst};
+use schemas::{Event, Gap, GyroBiasStep, Noise, Sample, Scenario, SensorSuite, SlipBurst, Span};
 
-use crate::session::{record_seeded, scenario};
+use crate::session::{record_seeded, record_with_gaps, scenario};
 use crate::{Mode, Person, Recording, Replay};
 
 const SESSIONS: usize = 50;
@@ -103,4 +103,45 @@ fn fifty_random_sessions_come_back() {
     different.sort();
     different.dedup();
     assert_eq!(different.len(), SESSIONS);
+}
+
+/// Streams that were silent while a session was recorded, and noted as such, are silent in its closed
+/// loop too: with the recording controller it is the recording; without the note it is not.
+#[test]
+fn gaps_are_met_again() {
+    let scenario = scenario("random:slant:flowing:601", 5.0);
+    let at = |seconds| schemas::SIMULATION_EPOCH + Span::from_seconds(seconds);
+    let gap = |stream: &str, from_s, to_s| Gap {
+        stamp: at(to_s),
+        stream: stream.to_owned(),
+        start: at(from_s),
+        end: at(to_s),
+        cause: "unplugged".to_owned(),
+    };
+    let gaps = [gap("/sonar", 1.0, 2.5), gap("/encoders", 2.0, 2.4), gap("/joystick", 3.0, 3.5)];
+    let log = record_with_gaps(&scenario, "tandem-kinematic", SensorSuite::Sonar, 3, &gaps);
+    let silent = log.events.iter().filter(|event| {
+        let Event::Sample(sample) = &event.value else { return false };
+        let inside = |from_s, to_s| at(from_s) < sample.stamp() && sample.stamp() < at(to_s);
+        match sample {
+            Sample::Sonar(_) => inside(1.0, 2.5),
+            Sample::Encoders(_) => inside(2.0, 2.4),
+            Sample::Joystick(_) => inside(3.0, 3.5),
+            _ => false,
+        }
+    });
+    assert_eq!(silent.count(), 0);
+    for mode in [Mode::Open, Mode::Closed(Person::Playback)] {
+        let mut replay = Replay::new(|| Ok(log.open()), &log.spec, mode).expect("replays");
+        while replay.next_event().is_some() {}
+        let outcome = replay.finish().expect("has steps");
+        assert!(outcome.identical_to_recorded, "{mode:?}: {:?}", outcome.max_deviation);
+    }
+    let mut untold = log;
+    untold.events.retain(|event| !matches!(event.value, Event::Gap(_)));
+    untold.rewrite(&scenario);
+    let mode = Mode::Closed(Person::Playback);
+    let mut replay = Replay::new(|| Ok(untold.open()), &untold.spec, mode).expect("replays");
+    while replay.next_event().is_some() {}
+    assert!(!replay.finish().expect("has steps").identical_to_recorded);
 }

@@ -8,7 +8,8 @@ mod delayed;
 
 use std::str::FromStr;
 
-use schemas::{Command, Event, Pulled, Sample, Source, Stamped, Time};
+use schemas::log::Topic;
+use schemas::{Command, Event, Gap, Pulled, Sample, Source, Stamped, Time};
 use simulator::{Purpose, Stream};
 
 use delayed::Delayed;
@@ -131,6 +132,8 @@ pub struct Faults {
 pub(crate) struct Faulty<S> {
     source: S,
     faults: Faults,
+    /// When which streams were silent.
+    gaps: Vec<Gap>,
     start: Time,
     /// Samples heard, by kind: the numbers that noise goes by.
     heard: [u64; 5],
@@ -144,6 +147,7 @@ impl<S: Source> Faulty<S> {
         Faulty {
             source,
             faults: Faults::default(),
+            gaps: Vec::new(),
             start,
             heard: [0; 5],
             stuck: None,
@@ -153,6 +157,30 @@ impl<S: Source> Faulty<S> {
 
     pub(crate) fn put(&mut self, faults: Faults) {
         self.faults = faults;
+    }
+
+    /// Lets streams fall silent as they did in a recording.
+    pub(crate) fn silence(&mut self, gaps: &[Gap]) {
+        self.gaps = gaps.to_vec();
+    }
+
+    /// The next thing of the source that was not lost in a gap.
+    fn heard(&mut self) -> Result<Option<Pulled>, S::Error> {
+        loop {
+            let next = self.source.pull()?;
+            let lost = match &next {
+                Some(Pulled::Event(Stamped { value: event @ Event::Sample(sample), .. })) => {
+                    let (topic, stamp) = (Topic::of(event).name(), sample.stamp());
+                    self.gaps
+                        .iter()
+                        .any(|gap| gap.stream == topic && gap.start < stamp && stamp < gap.end)
+                }
+                _ => false,
+            };
+            if !lost {
+                return Ok(next);
+            }
+        }
     }
 
     pub(crate) fn source_mut(&mut self) -> &mut S {
@@ -228,11 +256,11 @@ impl<S: Source> Source for Faulty<S> {
 
     fn pull(&mut self) -> Result<Option<Pulled>, S::Error> {
         if self.faults.faults.is_empty() {
-            return self.source.pull();
+            return self.heard();
         }
         loop {
             if !self.delayed.knows_next() {
-                let mut next = self.source.pull()?;
+                let mut next = self.heard()?;
                 if let Some(Pulled::Event(Stamped { at, value: Event::Sample(sample) })) = &mut next
                 {
                     let late_s = self.alter(sample);

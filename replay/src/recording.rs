@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use schemas::log::{LogError, LogReader, Topic};
 use schemas::{
-    Event, Explored, Header, JoystickSample, Plant, Pose, Sample, Span, Time, Truth, World,
+    Event, Explored, Gap, Header, JoystickSample, Plant, Pose, Sample, Span, Time, Truth, World,
 };
 use simulator::{JOYSTICK_PERIOD, Request};
 
@@ -54,6 +54,7 @@ pub struct Recording {
     header: Header,
     moments: Vec<Moment>,
     coverage: Option<Coverage>,
+    gaps: Vec<Gap>,
     end: Time,
     plant: Option<Plant>,
     damage: Option<Arc<LogError>>,
@@ -66,8 +67,14 @@ impl Recording {
     /// The log holds no joystick sample, or none before it is damaged: there is nobody to bring back.
     pub fn read<R: Read>(log: LogReader<R>) -> Result<Recording, ReplayError> {
         let header = log.header().clone();
-        let mut log =
-            log.only(&[Topic::Joystick, Topic::Truth, Topic::Step, Topic::Sonar, Topic::Command]);
+        let mut log = log.only(&[
+            Topic::Joystick,
+            Topic::Truth,
+            Topic::Step,
+            Topic::Sonar,
+            Topic::Command,
+            Topic::Gap,
+        ]);
         let mut builder = Builder::new(&header);
         let mut end = header.run.start;
         let damage = loop {
@@ -87,6 +94,7 @@ impl Recording {
             header,
             moments: builder.moments,
             coverage: builder.coverage,
+            gaps: builder.gaps,
             end,
             plant: None,
             damage: damage.map(Arc::new),
@@ -144,6 +152,11 @@ impl Recording {
         self.moments.get(usize::try_from(index).ok()?)
     }
 
+    /// When which streams were silent.
+    pub(crate) fn gaps(&self) -> &[Gap] {
+        &self.gaps
+    }
+
     /// Where the recorded sonars have seen; `None` for a log without sonars.
     pub(crate) fn coverage(&self) -> Option<&Coverage> {
         self.coverage.as_ref()
@@ -156,7 +169,8 @@ impl Recording {
         let run = schemas::RunInfo { start, ..schemas::RunInfo::default() };
         let header = Header { run, params_toml: String::new(), scenario };
         let end = start.after_ns(moments.len() as u64 * JOYSTICK_PERIOD.0);
-        Recording { header, moments, coverage: None, end, plant: None, damage: None }
+        let gaps = Vec::new();
+        Recording { header, moments, coverage: None, gaps, end, plant: None, damage: None }
     }
 
     #[cfg(test)]
@@ -175,6 +189,7 @@ struct Builder {
     start: Time,
     moments: Vec<Moment>,
     coverage: Option<Coverage>,
+    gaps: Vec<Gap>,
     /// The newest state, with its instant.
     last: Option<(Time, State)>,
     /// Whether states come from `/truth`; from the controller's estimate otherwise.
@@ -184,7 +199,8 @@ struct Builder {
 impl Builder {
     fn new(header: &Header) -> Builder {
         let start = header.run.start;
-        Builder { start, moments: Vec::new(), coverage: None, last: None, truth: false }
+        let (moments, gaps) = (Vec::new(), Vec::new());
+        Builder { start, moments, coverage: None, gaps, last: None, truth: false }
     }
 
     fn observe(&mut self, event: &Event) {
@@ -197,6 +213,7 @@ impl Builder {
                 }
             }
             Event::Truth(truth) => self.truth(truth),
+            Event::Gap(gap) => self.gaps.push(gap.clone()),
             // The person looks at the robot themselves; the estimate is the next best.
             Event::Step(step) if !self.truth => {
                 let (v_mps, omega_radps) = (step.v_mps, step.omega_radps);

@@ -4,8 +4,12 @@ use std::io::Cursor;
 
 use controller::{Runner, Session, Setup, Spec};
 use schemas::log::{LogReader, LogWriter, WriterOptions};
-use schemas::{Event, Header, RunInfo, SIMULATION_EPOCH, Scenario, SensorSuite, Span, Stamped};
+use schemas::{
+    Event, Gap, Header, RunInfo, SIMULATION_EPOCH, Scenario, SensorSuite, Span, Stamped,
+};
 use simulator::{Simulation, SimulationSetup};
+
+use crate::fault::Faulty;
 
 /// A session recorded with one controller.
 pub(crate) struct Recorded {
@@ -53,6 +57,17 @@ pub(crate) fn record_seeded(
     sensors: SensorSuite,
     seed: u64,
 ) -> Recorded {
+    record_with_gaps(scenario, controller, sensors, seed, &[])
+}
+
+/// The same with streams that fall silent, which the log notes at its end.
+pub(crate) fn record_with_gaps(
+    scenario: &Scenario,
+    controller: &str,
+    sensors: SensorSuite,
+    seed: u64,
+    gaps: &[Gap],
+) -> Recorded {
     let spec = spec(controller, scenario);
     let start = SIMULATION_EPOCH;
     let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
@@ -88,11 +103,19 @@ pub(crate) fn record_seeded(
     };
     let options = WriterOptions { view: false, ..WriterOptions::offline() };
     let mut log = LogWriter::new(Vec::new(), &header, &options).expect("memory takes it");
-    let mut session = Session::new(simulation, runner);
+    let mut source = Faulty::new(simulation, start);
+    source.silence(gaps);
+    let mut session = Session::new(source, runner);
     let mut events = Vec::new();
     loop {
         let Ok(event) = session.next_event();
         let Some(event) = event else { break };
+        log.write(&event).expect("memory takes it");
+        events.push(event);
+    }
+    for gap in gaps {
+        let at = events.last().map_or(start, |event| event.at).after_ns(1);
+        let event = Stamped { at, value: Event::Gap(gap.clone()) };
         log.write(&event).expect("memory takes it");
         events.push(event);
     }
