@@ -3,6 +3,7 @@
 use prost::Message;
 
 use super::Topic;
+use super::quick;
 use crate::{
     Command, EncoderSample, Event, ExactPose, Gap, ImuSample, JoystickSample, Sample, SonarScan,
     Step, Timing, Truth, proto,
@@ -52,6 +53,17 @@ impl Encoder {
 
 /// The event that a message of `topic` holds; `None` for a topic that only viewers read.
 pub(super) fn decode(topic: Topic, data: &[u8]) -> Result<Option<Event>, prost::DecodeError> {
+    match quick::decode(topic, data) {
+        Some(event) => Ok(Some(event)),
+        None => decode_generally(topic, data),
+    }
+}
+
+/// The same for whatever protobuf allows.
+pub(super) fn decode_generally(
+    topic: Topic,
+    data: &[u8],
+) -> Result<Option<Event>, prost::DecodeError> {
     Ok(Some(match topic {
         Topic::Sonar => {
             Event::Sample(Sample::Sonar(SonarScan::from(proto::SonarScan::decode(data)?)))

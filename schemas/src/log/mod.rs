@@ -24,6 +24,7 @@ mod file;
 mod header;
 mod info;
 mod messages;
+mod quick;
 mod reader;
 mod records;
 mod side_by_side;
