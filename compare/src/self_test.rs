@@ -18,6 +18,9 @@ const LEAST_CAUGHT: f64 = 0.95;
 /// The largest share of false alarms.
 const MOST_ALARMS: f64 = 0.05;
 
+/// The field that tells of hidden state alone.
+const HIDDEN_STATE: &str = "state_hash";
+
 /// What came of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SelfTest {
@@ -61,7 +64,7 @@ pub struct Mutant {
     pub nodes: Vec<String>,
     /// In how many sessions it could be run.
     pub sessions: usize,
-    /// In how many of them anything differs.
+    /// In how many of them any quantity differs.
     pub differing: usize,
     /// In how many the first cause names the stage.
     pub named: usize,
@@ -127,7 +130,9 @@ impl Mutant {
             verdict: comparison.verdict,
             gate: comparison.gate.as_ref().map_or(Gate::None, |gate| gate.outcome),
         };
-        for cause in comparison.logs.iter().filter_map(|log| log.first_cause.as_ref()) {
+        let causes = comparison.logs.iter().filter_map(|log| log.first_cause.as_ref());
+        // Hidden state that no quantity ever shows is no difference that anyone could see.
+        for cause in causes.filter(|cause| cause.field != HIDDEN_STATE) {
             mutant.differing += 1;
             if mutant.nodes.contains(&cause.node) {
                 mutant.named += 1;
@@ -239,6 +244,7 @@ fn share(part: usize, all: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::synthetic::{Run, pair, question};
 
     fn mutant(caught: bool, gate: Gate) -> Mutant {
         Mutant {
@@ -257,6 +263,34 @@ mod tests {
 
     fn alarms(alarms: usize, comparisons: usize) -> FalseAlarms {
         FalseAlarms { comparisons, alarms, share: share(alarms, comparisons), ..Default::default() }
+    }
+
+    /// Of four sessions one differs in the law, one in the distances that the law follows from, one in
+    /// hidden state alone, and one not at all.
+    #[test]
+    fn the_stage_that_is_named_is_counted() {
+        let run = |change: fn(&mut schemas::Step)| {
+            let mut run = Run::new();
+            run.step(0.0, |step| step.k = 0.0).step(0.1, change);
+            run
+        };
+        let changes: [fn(&mut schemas::Step); 4] = [
+            |step| step.theta_star_rad = 0.5,
+            |step| (step.d1_m, step.theta_star_rad) = (0.5, 0.5),
+            |step| step.state_hash = 7,
+            |_| {},
+        ];
+        let logs = changes
+            .iter()
+            .enumerate()
+            .map(|(i, change)| pair(&format!("log {i}"), &run(|_| {}), &run(*change)));
+        let comparison = crate::compare(&question(), logs.collect()).expect("engages");
+        let of = |nodes: &[Node]| Mutant::of("m", nodes, &comparison);
+        let mutant = of(&[Node::Law]);
+        assert_eq!((mutant.sessions, mutant.differing, mutant.named), (4, 2, 1));
+        assert_eq!(mutant.misnamed, BTreeMap::from([("distances".to_owned(), 1)]));
+        assert!(!mutant.caught);
+        assert!(of(&[Node::Law, Node::Distances]).caught);
     }
 
     /// 19 of 20 are 0.95; 10 of 200 are 0.05: just enough.
