@@ -319,7 +319,7 @@ impl Side {
         let Some(look) = replay.runner().look() else { return };
         let kept_back = step.reason == Reason::WouldBeProjected || step.projected;
         let ray = if kept_back {
-            look.shielded(step.u_h).and_then(|shielded| shielded.ray)
+            look.shielded(step.u_h, false).and_then(|shielded| shielded.ray)
         } else {
             let trace = trace::Trace::new(&look, step, spec, &self.scenario);
             // Asked about both speeds, D is that of the one that is nearer to danger.

@@ -93,8 +93,8 @@ impl Trace {
             law: [0.0, FRAC_PI_2, -FRAC_PI_2].map(|turn| look.law_ray(step.psi_rad + turn)),
             requested: ray(requested(step, &scenario.plant)),
             present: both.then(|| ray([step.v_mps, step.omega_radps])),
-            chosen: look.shielded(step.u_s_before_projection),
-            human: look.shielded(step.u_h),
+            chosen: look.shielded(step.u_s_before_projection, step.k != 1.0),
+            human: look.shielded(step.u_h, false),
         }
     }
 }

@@ -5,9 +5,10 @@ use schemas::{Pose, Reason, Region, Step};
 use super::Runner;
 use super::feedback::{Feedback, View};
 use super::request::Request;
+use super::senses::Senses;
 use super::setup::Setup;
 use super::sharing::Question;
-use crate::safety::{Limits, Saturation, Shield, clip, scale};
+use crate::safety::{Limits, Near, Saturation, Shield, clip, scale};
 use crate::sharing::select;
 use crate::spec::Law;
 use crate::target::Target;
@@ -118,6 +119,16 @@ impl Runner {
     }
 }
 
+/// The safety layer as the feedback law meets it: close beside something that is looked at one
+/// direction after the other it turns no faster than that.
+pub(super) fn of_feedback(shield: Shield, senses: &Senses, near: &Near) -> Shield {
+    if senses.swept_in_turn() && near.circle_clear_m() < CLOSE_BESIDE_M {
+        shield.turning_at_most(LOOKING_RADPS)
+    } else {
+        shield
+    }
+}
+
 impl View<'_> {
     /// The input that may really be applied.
     fn made_safe(&self, u: [f64; 2], human: bool, shield: Option<Shield>, d_m: f64) -> [f64; 2] {
@@ -136,10 +147,7 @@ impl View<'_> {
             return if pushing { [0.0, u[1]] } else { u };
         };
         let ray_m = |angle_rad| senses.safety_ray_m(pose, angle_rad);
-        let looks_while_turning =
-            senses.swept_in_turn() && self.near.circle_clear_m() < CLOSE_BESIDE_M;
-        let shield =
-            if looks_while_turning { shield.turning_at_most(LOOKING_RADPS) } else { shield };
+        let shield = of_feedback(shield, senses, self.near);
         shield.project(u, pose.theta_rad, ray_m, self.near)
     }
 

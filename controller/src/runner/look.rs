@@ -8,6 +8,7 @@ use std::cell::RefCell;
 use schemas::{Pose, Step};
 
 use super::Runner;
+use super::decision::of_feedback;
 use crate::perception::echo_map::LimitingEcho;
 use crate::travel::{DMode, Travel};
 
@@ -103,19 +104,22 @@ impl Look<'_> {
         }
     }
 
-    /// What the safety layer leaves of the input `u`; `None` without one.
-    pub fn shielded(&self, u: [f64; 2]) -> Option<Shielded> {
+    /// What the safety layer leaves of the input `u`, the feedback law's or the person's; `None`
+    /// without one.
+    pub fn shielded(&self, u: [f64; 2], of_law: bool) -> Option<Shielded> {
         let shield = self.runner.setup.shield(self.runner.foreseen)?;
+        let (senses, near) = (&self.runner.senses, &self.runner.near);
+        let shield = if of_law { of_feedback(shield, senses, near) } else { shield };
         let asked = RefCell::new(Shortest::default());
         let left = shield.project(
             u,
             self.from.theta_rad,
             |angle_rad| {
-                let free_m = self.runner.senses.safety_ray_m(&self.from, angle_rad);
+                let free_m = senses.safety_ray_m(&self.from, angle_rad);
                 asked.borrow_mut().take(angle_rad, free_m);
                 free_m
             },
-            &self.runner.near,
+            near,
         );
         let angle_rad = asked.into_inner().angle_rad;
         Some(Shielded { u: left, ray: angle_rad.map(|angle_rad| self.safety_ray(angle_rad)) })
