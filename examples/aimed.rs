@@ -19,7 +19,7 @@ fn main() {
         ("grazing a wall", grazing(24)),
         ("spinning beside a wall", spinning(24)),
         ("weaving beside a wall", weaving(24)),
-        ("tight starts", tight(150)),
+        ("tight starts", tight(600)),
         ("doorway of 0.6 m", doorway(16)),
         ("a person crossing", crossing(18)),
         ("tight starts, exact rays", with_exact_rays(tight(150))),
@@ -27,7 +27,7 @@ fn main() {
         ("a person crossing, exact rays", with_exact_rays(crossing(18))),
     ];
     println!(
-        "| course | version | rides | touched | % | deepest, mm | ran into a person | passed |"
+        "| course | version | rides | touched | % | deepest, mm | ran into a person (mm/s) | passed |"
     );
     println!("|---|---|---|---|---|---|---|---|");
     let only = std::env::args().nth(1).unwrap_or_default();
@@ -35,12 +35,13 @@ fn main() {
         for version in ["human", "tandem-kinematic", "tandem-dynamic"] {
             let tally = tally(rides, version);
             println!(
-                "| {name} | `{version}` | {} | {} | {:.1} | {:.0} | {} | {} |",
+                "| {name} | `{version}` | {} | {} | {:.1} | {:.0} | {} ({:.0}) | {} |",
                 tally.runs,
                 tally.touched,
                 100.0 * tally.touched as f64 / tally.runs as f64,
                 1000.0 * tally.deepest_m,
                 tally.ran_into,
+                1000.0 * tally.towards_mps,
                 tally.passed
             );
         }

@@ -30,6 +30,8 @@ pub(crate) struct Tally {
     pub(crate) deepest_m: f64,
     /// Rides that came into contact with a person while moving towards them.
     pub(crate) ran_into: usize,
+    /// The fastest that one of them moved towards the person as contact began, m/s.
+    pub(crate) towards_mps: f64,
     /// Rides that ended more than 2.2 m ahead of their start.
     pub(crate) passed: usize,
 }
@@ -278,6 +280,7 @@ pub(crate) fn tally(rides: &[Ride], version: &str) -> Tally {
                     all.runs += 1;
                     all.touched += one.touched;
                     all.ran_into += one.ran_into;
+                    all.towards_mps = all.towards_mps.max(one.towards_mps);
                     all.passed += one.passed;
                     all.deepest_m = all.deepest_m.max(one.deepest_m);
                 }
@@ -326,6 +329,7 @@ fn run(ride: &Ride, version: &str) -> Tally {
             // Once they are in contact the person walks on, through the robot.
             if apart && truth.clearance_m < 0.0 && towards_mps > 1e-3 {
                 tally.ran_into = 1;
+                tally.towards_mps = tally.towards_mps.max(towards_mps);
             }
         }
         apart = truth.clearance_m >= 0.0;
