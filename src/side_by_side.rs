@@ -9,7 +9,8 @@ use schemas::log::{WriteAbError, WriterOptions, write_ab};
 use schemas::view::LAYOUT_AB;
 use schemas::{Event, Header, Stamped};
 
-/// Writes two runs, A and B, side by side into a file.
+/// Writes two runs, A and B, side by side into a file. Until they are whole they stand in another one
+/// beside it, so that what a failing run leaves behind is never taken for a run.
 pub fn write(
     path: &Path,
     headers: [&Header; 2],
@@ -17,12 +18,19 @@ pub fn write(
     b: impl FnMut() -> Result<Option<Stamped<Event>>>,
 ) -> Result<()> {
     let name = || path.display().to_string();
-    let file = BufWriter::new(File::create(path).with_context(name)?);
-    match write_ab(file, headers, &WriterOptions::offline(), a, b) {
-        Ok(_) => Ok(()),
+    let mut unfinished = path.as_os_str().to_owned();
+    unfinished.push(".unfinished");
+    let file = BufWriter::new(File::create(&unfinished).with_context(name)?);
+    let written = match write_ab(file, headers, &WriterOptions::offline(), a, b) {
+        Ok(_) => fs::rename(&unfinished, path).with_context(name),
         Err(WriteAbError::Run(error)) => Err(error),
         Err(WriteAbError::Log(error)) => Err(anyhow!(error)).with_context(name),
+    };
+    if written.is_err() {
+        // What cannot be removed does no harm under that name.
+        let _ = fs::remove_file(&unfinished);
     }
+    written
 }
 
 /// Where the layout goes: beside the one file, or once into the folder.

@@ -97,6 +97,12 @@ impl Compare {
         if interrupt::pressed() {
             output::note(&format!("error: interrupted; {} logs not compared", failed.count()));
         }
+        if comparison.mode == "open" {
+            output::note(
+                "in open loop the robot moves as recorded whichever controller is asked: nothing is said \
+                 of safety and motion, and no gate on them can fail; --mode closed asks about those",
+            );
+        }
         output::print(common, &comparison, report::terminal)?;
         if interrupt::pressed() {
             return Ok(Status::Impossible);

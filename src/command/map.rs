@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use replay::PlantEstimate;
-use schemas::log::WriterOptions;
+use schemas::log::{LogError, WriterOptions};
 use schemas::{Cell, Explored, Header, Scenario};
 use serde::Serialize;
 
@@ -77,7 +77,7 @@ impl Map {
         let scenario = Scenario { name, ..map.scenario() };
         fs::write(&self.output, scenario.to_toml())
             .with_context(|| self.output.display().to_string())?;
-        self.show(&view, &scenario)?;
+        let damage = self.show(&view, &scenario)?;
         let mapped = Mapped {
             log: self.log.display().to_string(),
             output: self.output.display().to_string(),
@@ -89,23 +89,30 @@ impl Map {
             slip: plant.slip.map(|slip| slip.value),
         };
         output::print(common, &mapped, text)?;
-        Ok(Status::Done)
+        Ok(damage.map_or(Status::Done, |damage| {
+            output::note(&format!("error: {}: {damage}; mapped as far as that", mapped.log));
+            Status::Differs
+        }))
     }
 
-    /// The recorded session in the mapped world.
-    fn show(&self, view: &Path, scenario: &Scenario) -> Result<()> {
+    /// The recorded session in the mapped world, as far as the log can be read; what stands in the way
+    /// of reading on is the answer.
+    fn show(&self, view: &Path, scenario: &Scenario) -> Result<Option<LogError>> {
         let mut events = logs::open(&self.log)?;
         let header = Header { scenario: scenario.clone(), ..events.header().clone() };
         let name = || view.display().to_string();
         let options = WriterOptions::offline();
         let mut log = schemas::log::create(view, &header, &options).with_context(name)?;
-        // A log that ends early was mapped as far as it goes, and is shown as far.
-        while let Ok(Some(event)) = events.next_event() {
+        let damage = loop {
             interrupt::check()?;
-            log.write(&event).with_context(name)?;
-        }
+            match events.next_event() {
+                Ok(Some(event)) => log.write(&event).with_context(name)?,
+                Ok(None) => break None,
+                Err(error) => break Some(error),
+            }
+        };
         log.finish().with_context(name)?;
-        Ok(())
+        Ok(damage)
     }
 }
 

@@ -95,7 +95,9 @@ impl Metrics {
             .collect();
         let runs = Runs { runs: rows, summary: summarize(&measured) };
         output::print(common, &runs, |_| {
-            if self.each || measured.len() <= SIDE_BY_SIDE {
+            if measured.is_empty() {
+                String::new()
+            } else if self.each || measured.len() <= SIDE_BY_SIDE {
                 report::metrics_text(&measured)
             } else {
                 report::summary_text(&measured)

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, ensure};
 use clap::Args;
 use compare::figure::{Facts, Recording, figure};
 use compare::report::{number, with_unit};
@@ -53,6 +53,8 @@ impl Plot {
         let mut log = logs::open(&self.log)?;
         logs::guard(&self.output, common.force)?;
         logs::guard_input(&self.output, &self.log)?;
+        let picture_file = self.output.extension().is_some_and(|end| end == "svg");
+        ensure!(picture_file, "{}: the picture is an .svg file", self.output.display());
         let mut recording = Recording::new(log.header());
         while let Some(event) = log.next_event().with_context(name)? {
             interrupt::check()?;

@@ -46,3 +46,16 @@ fn patience_is_a_positive_number() {
         here.tandem(&format!("replay --hang-after {patience} log.mcap")).exits(2);
     }
 }
+
+#[test]
+fn what_a_broken_controller_leaves_behind_is_not_taken_for_a_run() {
+    let here = Workplace::new();
+    here.record("log.mcap", "--scenario case1 --duration 6");
+    for fault in ["controller-hang=2", "controller-panic=2"] {
+        let command = format!("replay log.mcap --hang-after 1.5 --fault {fault} -o out.mcap");
+        assert_eq!(here.tandem(&command).status, 2, "{command}");
+        assert!(!here.path("out.mcap").exists(), "{fault}");
+    }
+    here.tandem("replay log.mcap -o out.mcap").succeeds();
+    assert!(!here.path("out.mcap.unfinished").exists());
+}

@@ -100,3 +100,15 @@ fn what_cannot_be_mapped_is_said() {
     let again = here.tandem("map log.mcap -o room.toml").exits(2);
     assert!(again.error_line().contains("--force"), "{}", again.stderr);
 }
+
+/// A log that ends early is mapped as far as it goes, and that is said.
+#[test]
+fn a_cut_log_is_mapped_as_far_as_it_goes() {
+    let here = Workplace::new();
+    let log = here.record("log.mcap", "--scenario random:rect:explorer:8 --duration 20");
+    let bytes = fs::read(&log).unwrap();
+    fs::write(here.path("cut.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
+    let run = here.tandem("map cut.mcap -o room.toml").exits(1);
+    assert!(run.stderr.contains("mapped as far as that"), "{}", run.stderr);
+    assert!(here.path("room.toml").exists() && here.path("room.mcap").exists());
+}

@@ -41,6 +41,7 @@ fn bad_input_is_one_line_and_leaves_nothing_behind() {
         ("plot nowhere.mcap -o x.svg", "nowhere.mcap"),
         ("plot empty.mcap -o x.svg", "no controller step"),
         ("plot log.mcap -o log.mcap --force", "is the input"),
+        ("plot log.mcap -o log.png", "the picture is an .svg file"),
     ] {
         let run = here.tandem(line).exits(2);
         assert!(run.error_line().contains(what), "`{line}`: {}", run.stderr);

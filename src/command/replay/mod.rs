@@ -78,7 +78,8 @@ pub struct Replay {
     pub floor: bool,
     /// Put a fault between sensors and controller, the same for every controller; may be repeated.
     /// sonar-dropout, cross-talk, encoder-slip take a share, sonar-bias metres, sonar-dead an id,
-    /// gyro-bias rad/s, latency and jitter seconds, joystick-freeze FROM-TO in seconds
+    /// gyro-bias rad/s, latency and jitter seconds, joystick-freeze FROM-TO in seconds;
+    /// controller-hang and controller-panic rehearse a controller that fails after so many seconds
     #[arg(long = "fault", value_name = "NAME=VALUE")]
     pub faults: Vec<Fault>,
     /// Seed of what is random about the faults
@@ -139,10 +140,8 @@ pub enum PlantName {
 
 /// A span of real time.
 pub fn patience(text: &str) -> Result<Duration, String> {
-    let seconds = seconds(text)?;
-    if seconds <= 0.0 {
-        return Err("expected more than 0 seconds".to_owned());
-    }
+    let seconds = seconds(text).ok().filter(|seconds| *seconds > 0.0);
+    let seconds = seconds.ok_or("expected more than 0 seconds, such as 30")?;
     Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
 }
 
@@ -215,6 +214,9 @@ impl Replay {
             && from >= to
         {
             bail!("--from {from} does not come before --to {to}");
+        }
+        if mode == ModeName::Open && human != HumanName::Playback {
+            bail!("in open loop the recorded joystick is heard: --human goes with --mode closed");
         }
         if mode == ModeName::Open && self.world.is_some() {
             bail!("in open loop the recorded sensors are heard: --world goes with --mode closed");

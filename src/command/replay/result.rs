@@ -204,6 +204,10 @@ impl Run {
         );
         let verdict = match (self.identical_to_recorded, self.max_deviation_field) {
             (true, _) => "identical, bit for bit".to_owned(),
+            (false, Some(field)) if self.max_deviation.is_some_and(f64::is_infinite) => format!(
+                "differs; {field} is known to one of both only at {:.2} s (`tandem diff` has the rest)",
+                self.max_deviation_at_s.unwrap_or(f64::NAN)
+            ),
             (false, Some(field)) => format!(
                 "differs; most in {field}, by {:.6} at {:.2} s",
                 self.max_deviation.unwrap_or(f64::NAN),
