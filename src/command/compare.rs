@@ -153,7 +153,7 @@ impl Compare {
             Some(folder) => report_files(folder, common.force)?,
         };
         let side_by_side =
-            self.report.as_deref().map(|folder| SideBySide::into(folder, common.force));
+            self.report.as_deref().map(|folder| SideBySide::into(folder, common.force, &self.logs));
         let side_by_side = side_by_side.transpose()?;
         let gate = self.gate.as_deref().map(read_gate).transpose()?;
         ensure!(!self.logs.is_empty() || self.b.is_none(), "no log to compare A and B on");

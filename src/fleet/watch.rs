@@ -3,7 +3,8 @@
 //! A thread cannot be ended from outside. Whoever hangs is left behind: its log fails, says so, and
 //! another thread goes on with the rest. What hangs is told by counting: each thread counts when it
 //! enters a controller and when it leaves; one that stays at the same odd count for too long hangs.
-//! The clock is read by who watches, never by who works, so no result can depend on it.
+//! The clock is read by who watches, never by who works, so no result can depend on it but
+//! the failure of whoever hangs.
 
 use std::cell::{Cell, RefCell};
 use std::panic;

@@ -312,3 +312,16 @@ fn both_arms_stand_side_by_side_beside_the_report() {
         entry.unwrap().path().extension().is_some_and(|extension| extension != "mcap")
     }));
 }
+
+/// What is compared is not written over, whatever may be.
+#[test]
+fn a_report_does_not_take_its_own_logs_away() {
+    let here = Workplace::new();
+    fs::create_dir_all(here.path("report/ab")).unwrap();
+    let log = here.record("report/ab/log.mcap", "--scenario case1 --duration 3");
+    let compare =
+        "compare --a human --b paper-kinematic report/ab/log.mcap --report report --force";
+    let run = here.tandem(compare).exits(2);
+    assert!(run.error_line().contains("is an input"), "{}", run.stderr);
+    assert!(log.exists());
+}

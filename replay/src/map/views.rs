@@ -106,12 +106,23 @@ impl Views {
     }
 
     pub(super) fn hear(&mut self, scan: &SonarScan) {
-        let usable = |echo: &&SonarEcho| !echo.echo || echo.range_m >= NEAREST_M;
+        // What claims to have been fired after it was reported would keep all that follow waiting.
+        let usable = |echo: &&SonarEcho| {
+            echo.fired <= scan.stamp && (!echo.echo || echo.range_m >= NEAREST_M)
+        };
         self.waiting.extend(scan.echoes.iter().filter(usable));
     }
 
     /// The body believes to be here now: what was fired until now can be placed.
     pub(super) fn stand(&mut self, stamp: Time, pose: &Pose) {
+        // Without a pose from before and after nothing is placed.
+        while self
+            .waiting
+            .front()
+            .is_some_and(|echo| echo.fired.0.saturating_add(LONGEST_GAP.0) < stamp.0)
+        {
+            self.waiting.pop_front();
+        }
         if !pose.is_finite() {
             return;
         }

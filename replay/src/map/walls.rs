@@ -211,8 +211,8 @@ fn single(faces: &[Face]) -> Vec<Face> {
     kept
 }
 
-/// The longest run of points along a line through some of them, found twice: the second time with the
-/// line through the first run.
+/// The longest run of points along a line through some of them, found three times: each time along the
+/// line through the run before.
 fn grow(
     hits: &[&Hit],
     taken: &[bool],

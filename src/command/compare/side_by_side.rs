@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use ::compare::Comparison;
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, bail};
 
 use crate::{interrupt, logs, side_by_side};
 
@@ -16,21 +16,35 @@ const NAME: &str = "ab";
 pub(super) struct SideBySide(PathBuf);
 
 impl SideBySide {
-    /// The folder beside a report. What an earlier comparison left there goes, where it may: it would
-    /// pass for this one's.
-    pub(super) fn into(report: &Path, force: bool) -> Result<SideBySide> {
+    /// The folder beside a report. It may hold none of the logs that are compared: what is there goes
+    /// once the comparison is made.
+    pub(super) fn into(report: &Path, force: bool, logs: &[PathBuf]) -> Result<SideBySide> {
         let folder = report.join(NAME);
         logs::guard(&folder, force)?;
-        if folder.is_dir() {
-            let name = || folder.display().to_string();
-            for entry in fs::read_dir(&folder).with_context(name)? {
-                let path = entry.with_context(name)?.path();
-                if path.extension().is_some_and(|extension| extension == "mcap") {
-                    fs::remove_file(&path).with_context(|| path.display().to_string())?;
-                }
+        let own = fs::canonicalize(&folder).ok();
+        for log in logs {
+            let place = fs::canonicalize(log).ok();
+            if own.is_some() && place.as_deref().and_then(Path::parent) == own.as_deref() {
+                let (log, folder) = (log.display(), folder.display());
+                bail!("{log} is an input, and {folder} is written anew; name another --report");
             }
         }
         Ok(SideBySide(folder))
+    }
+
+    /// Takes away what an earlier comparison left there: it would pass for this one's.
+    fn clear(&self) -> Result<()> {
+        if !self.0.is_dir() {
+            return Ok(());
+        }
+        let name = || self.0.display().to_string();
+        for entry in fs::read_dir(&self.0).with_context(name)? {
+            let path = entry.with_context(name)?.path();
+            if path.extension().is_some_and(|extension| extension == "mcap") {
+                fs::remove_file(&path).with_context(|| path.display().to_string())?;
+            }
+        }
+        Ok(())
     }
 
     /// Writes the logs with most to see, at most `most`, and notes in the comparison where they are.
@@ -40,6 +54,7 @@ impl SideBySide {
         most: usize,
         write: impl Fn(usize, &Path) -> Result<()>,
     ) -> Result<()> {
+        self.clear()?;
         let mut names = BTreeSet::new();
         for log in comparison.logs_to_see().into_iter().take(most) {
             interrupt::check()?;
@@ -69,9 +84,14 @@ fn file_name(log: &str, number: usize, taken: &mut BTreeSet<String>) -> String {
     if taken.insert(name.clone()) {
         return name;
     }
-    let name = format!("{stem}-{}.mcap", number + 1);
-    taken.insert(name.clone());
-    name
+    let mut numbered = number + 1;
+    loop {
+        let name = format!("{stem}-{numbered}.mcap");
+        if taken.insert(name.clone()) {
+            return name;
+        }
+        numbered += 1;
+    }
 }
 
 #[cfg(test)]
@@ -84,5 +104,7 @@ mod tests {
         assert_eq!(file_name("logs/a b\"<1>.mcap", 0, &mut taken), "a_b__1_.mcap");
         assert_eq!(file_name("x/session.mcap", 1, &mut taken), "session.mcap");
         assert_eq!(file_name("y/session.mcap", 2, &mut taken), "session-3.mcap");
+        assert_eq!(file_name("session-3.mcap", 2, &mut taken), "session-3-3.mcap");
+        assert_eq!(file_name("z/session.mcap", 2, &mut taken), "session-4.mcap");
     }
 }
