@@ -190,6 +190,7 @@ fn sonars_are_waited_for_and_missed() {
         assert_eq!((early.reason, early.u_s), (Reason::Starting, [0.0; 2]));
         let deaf = step(&mut runner, 0.5, &[wheels(0.5), joystick(0.5, 0.2, 0.0)]);
         assert_eq!((deaf.reason, deaf.u_s), (Reason::SensorsDead, [0.0; 2]));
+        assert_eq!(deaf.sonars_unknown, Some(16));
         // One sonar that speaks is not enough to go anywhere: what it does not see is unknown.
         let echo = SonarEcho { id: 3, range_m: 2.0, echo: true, fired: at(0.6) };
         let scan = Sample::Sonar(SonarScan { stamp: at(0.6), echoes: vec![echo] });
@@ -197,7 +198,25 @@ fn sonars_are_waited_for_and_missed() {
         assert_eq!((one.k, one.reason), (0.0, Reason::DistanceUnknown));
         assert_eq!(one.u_s[0], 0.0);
         assert!(one.distance_human_m.is_nan());
+        assert_eq!(one.sonars_unknown, Some(15));
     }
+}
+
+/// What the safety layer sees stands in the step: 0.3 m before a wall a body that turns in a wider circle has
+/// the wall in it by the difference; in the middle of the room, at rest, nothing is within reach.
+#[test]
+fn a_step_says_what_the_safety_layer_sees() {
+    let body_m = schemas::Robot::default().footprint.circumscribed_radius_m();
+    let near = [exact(0.0, 1.7, 0.0), joystick(0.0, 0.2, 0.0)];
+    let swept = step(&mut runner("tandem-kinematic"), 0.0, &near);
+    let clear_m = swept.safety_clear_m.expect("its body is swept");
+    assert!((clear_m - (0.3 - body_m)).abs() < 1e-9, "{clear_m}");
+    assert_eq!(swept.sonars_unknown, None, "there are none");
+    let far = [exact(0.0, 0.0, 0.0), joystick(0.0, 0.2, 0.0)];
+    let free = step(&mut runner("tandem-kinematic"), 0.0, &far);
+    assert_eq!(free.safety_clear_m, Some(f64::INFINITY));
+    let bare = step(&mut runner("paper-kinematic"), 0.0, &near);
+    assert_eq!(bare.safety_clear_m, None, "there is no safety layer");
 }
 
 #[test]

@@ -170,14 +170,12 @@ impl<R: Read> ClosedLoop<R> {
             }
             return Some(event);
         }
-        self.tally.replayed(&event);
+        let recorded = match &self.beside {
+            Beside::Log(log) => log.step.as_deref(),
+            Beside::Until(..) => None,
+        };
+        self.tally.replayed(&event, recorded);
         self.watch.observe(&event);
-        if let (Event::Step(step), Beside::Log(log)) = (&event.value, &self.beside)
-            && let Some(recorded) = &log.step
-            && step.stamp == recorded.stamp
-        {
-            self.tally.compare_steps(step, recorded);
-        }
         Some(event)
     }
 

@@ -105,6 +105,36 @@ fn fifty_random_sessions_come_back() {
     assert_eq!(different.len(), SESSIONS);
 }
 
+/// A log from before a field was recorded comes back bit for bit in all that it has; a log that has the
+/// field comes back in that as well.
+#[test]
+fn a_recording_from_before_a_field_comes_back() {
+    let scenario = scenario("random:rect:joystick:602", 3.0);
+    let log = record_seeded(&scenario, "tandem-kinematic", SensorSuite::Sonar, 4);
+    let steps = |change: fn(&mut schemas::Step)| {
+        let mut log = record_seeded(&scenario, "tandem-kinematic", SensorSuite::Sonar, 4);
+        for event in &mut log.events {
+            if let Event::Step(step) = &mut event.value {
+                change(step);
+            }
+        }
+        log.rewrite(&scenario);
+        log
+    };
+    let old = steps(|step| (step.sonars_unknown, step.safety_clear_m) = (None, None));
+    assert_ne!(old.bytes, log.bytes);
+    let other = steps(|step| step.sonars_unknown = step.sonars_unknown.map(|n| n + 1));
+    for mode in [Mode::Open, Mode::Closed(Person::Playback)] {
+        for (log, identical) in [(&old, true), (&other, false)] {
+            let mut replay = Replay::new(|| Ok(log.open()), &log.spec, mode).expect("replays");
+            while replay.next_event().is_some() {}
+            let outcome = replay.finish().expect("has steps");
+            assert_eq!(outcome.identical_to_recorded, identical, "{mode:?}");
+            assert_eq!(outcome.max_deviation, None, "{mode:?}");
+        }
+    }
+}
+
 /// Streams that were silent while a session was recorded, and noted as such, are silent in its closed
 /// loop too: with the recording controller it is the recording; without the note it is not.
 #[test]

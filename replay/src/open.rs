@@ -126,12 +126,7 @@ impl<R: Read> OpenLoop<R> {
                 if event.at < from {
                     return Some(event);
                 }
-                self.tally.replayed(&event);
-                if let (Event::Step(step), Some(recorded)) = (&event.value, &self.recorded_step)
-                    && step.stamp == recorded.stamp
-                {
-                    self.tally.compare_steps(step, recorded);
-                }
+                self.tally.replayed(&event, self.recorded_step.as_deref());
                 Some(event)
             }
             Ok(None) => {

@@ -74,13 +74,26 @@ impl Tally {
         }
     }
 
-    pub(crate) fn replayed(&mut self, event: &Stamped<Event>) {
+    /// Takes in a replayed event; `recorded` is the recorded step seen last.
+    ///
+    /// A field that the recording is too old to have is not held against the replay.
+    pub(crate) fn replayed(&mut self, event: &Stamped<Event>, recorded: Option<&Step>) {
         self.first.get_or_insert(event.at);
         self.last = event.at;
-        self.replayed.update(event);
-        if let Event::Step(step) = &event.value {
-            self.steps += 1;
-            self.engaged_steps += u64::from(step.k == 0.0);
+        let Event::Step(step) = &event.value else {
+            self.replayed.update(event);
+            return;
+        };
+        self.steps += 1;
+        self.engaged_steps += u64::from(step.k == 0.0);
+        match recorded.filter(|recorded| recorded.stamp == step.stamp) {
+            None => self.replayed.update(event),
+            Some(recorded) => {
+                let mut alike = step.clone();
+                alike.leave_out_as(recorded);
+                self.compare_steps(&alike, recorded);
+                self.replayed.update(&Stamped { at: event.at, value: Event::Step(alike) });
+            }
         }
     }
 
@@ -88,7 +101,7 @@ impl Tally {
         self.recorded.update(event);
     }
 
-    pub(crate) fn compare_steps(&mut self, replayed: &Step, recorded: &Step) {
+    fn compare_steps(&mut self, replayed: &Step, recorded: &Step) {
         let t_s = replayed.stamp.seconds_since(self.start);
         for (field, (a, b)) in
             Step::FIELDS.iter().zip(replayed.values().iter().zip(&recorded.values()))

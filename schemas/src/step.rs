@@ -80,11 +80,16 @@ pub enum Value {
     Flag(bool),
     /// One of a list of names.
     Name(&'static str),
+    /// Nothing: the step does not have this field. A log from before it was recorded, or a controller
+    /// that has nothing of the kind.
+    Absent,
 }
 
 /// What a reader sees of a field.
 trait FieldType {
     fn value(&self) -> Value;
+    /// Leaves out what may be left out, where `other` does.
+    fn leave_out_as(&mut self, _other: &Self) {}
 }
 
 /// How a field goes to and from a protobuf field of type `W`.
@@ -170,6 +175,28 @@ impl FieldType for i32 {
 impl FieldType for bool {
     fn value(&self) -> Value {
         Value::Flag(*self)
+    }
+}
+
+/// A field that a step may do without.
+impl<T: FieldType> FieldType for Option<T> {
+    fn value(&self) -> Value {
+        self.as_ref().map_or(Value::Absent, FieldType::value)
+    }
+
+    fn leave_out_as(&mut self, other: &Self) {
+        if other.is_none() {
+            *self = None;
+        }
+    }
+}
+
+impl<T: Wire<T>> Wire<Option<T>> for Option<T> {
+    fn to_wire(&self) -> Option<T> {
+        self.as_ref().map(Wire::to_wire)
+    }
+    fn from_wire(wire: Option<T>) -> Self {
+        wire.map(Wire::from_wire)
     }
 }
 
@@ -371,6 +398,12 @@ macro_rules! step {
             pub fn values(&self) -> [Value; Step::FIELDS.len()] {
                 [$($(FieldType::value(&self.$name),)*)*]
             }
+
+            /// Leaves out the fields that `other` does without and that may be left out: what a recording
+            /// from before them can be compared with.
+            pub fn leave_out_as(&mut self, other: &Step) {
+                $($(FieldType::leave_out_as(&mut self.$name, &other.$name);)*)*
+            }
         }
 
         impl From<&Step> for proto::Step {
@@ -414,6 +447,9 @@ impl Unknown for [f64; 2] {
 }
 impl Unknown for Pose {
     const UNKNOWN: Pose = Pose { x_m: f64::NAN, y_m: f64::NAN, theta_rad: f64::NAN };
+}
+impl<T> Unknown for Option<T> {
+    const UNKNOWN: Option<T> = None;
 }
 impl Unknown for u64 {
     const UNKNOWN: u64 = 0;
@@ -507,6 +543,12 @@ step! {
         distance_human_m: f64, "m";
         /// D as compared with the critical distances: less guard and travel in one period, where on.
         distance_effective_m: f64, "m";
+        /// Sonars whose cones are unknown: not heard yet, silent for too long, or nonsense. The safety
+        /// layer takes what they look at for blocked. None with exact rays.
+        sonars_unknown: Option<i32>, "";
+        /// How clear the body's turning circle is of the nearest thing that the safety layer reckons with,
+        /// negative within it, +∞ with nothing within reach. None where no body is swept.
+        safety_clear_m: Option<f64>, "m";
     }
     Reference {
         /// Where the target came from.
@@ -607,9 +649,30 @@ mod tests {
         step.region = Region::Hysteresis;
         step.pose = Pose { x_m: 1.0, y_m: 2.0, theta_rad: 3.0 };
         step.input_hash = u64::MAX;
+        (step.sonars_unknown, step.safety_clear_m) = (Some(0), Some(f64::INFINITY));
         let back = Step::from(proto::Step::from(&step));
         // NaN differs from itself, so compare what is printed.
         assert_eq!(format!("{step:?}"), format!("{back:?}"));
+    }
+
+    /// A log from before a field was recorded has no tag of it; what it lacks is unknown, not zero.
+    #[test]
+    fn a_step_from_before_a_field_reads_without_it() {
+        let mut step = Step::unknown(Time(7), 3);
+        (step.sonars_unknown, step.safety_clear_m) = (Some(3), Some(0.25));
+        let mut wire = proto::Step::from(&step);
+        (wire.sonars_unknown, wire.safety_clear_m) = (None, None);
+        let old = Step::from(wire);
+        assert_eq!((old.sonars_unknown, old.safety_clear_m), (None, None));
+        let absent = old.values().iter().filter(|value| **value == Value::Absent).count();
+        assert_eq!(absent, 2);
+        // Made like the old one a new step lacks them too, and nothing else; an old one is like a new one.
+        let mut like_old = step.clone();
+        like_old.leave_out_as(&old);
+        assert_eq!(format!("{like_old:?}"), format!("{old:?}"));
+        let mut like_new = step.clone();
+        like_new.leave_out_as(&step);
+        assert_eq!(format!("{like_new:?}"), format!("{step:?}"));
     }
 
     #[test]

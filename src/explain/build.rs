@@ -29,6 +29,7 @@ const TOLD: &[&str] = &[
     "d2r_m",
     "distance_human_m",
     "distance_effective_m",
+    "sonars_unknown",
     "reference_source",
     "side",
     "law_branch",

@@ -69,10 +69,13 @@ fn again(log: &Path, moment: &Moment, spec: &Spec) -> Result<Trace> {
     bail!("the replay ends before the step")
 }
 
-/// The first field in the order of the data flow that differs; NaN equals NaN.
-fn first_difference(a: &Step, b: &Step) -> Option<&'static str> {
+/// The first field in the order of the data flow that differs; NaN equals NaN, and what the recorded step
+/// is too old to have differs in nothing.
+fn first_difference(again: &Step, recorded: &Step) -> Option<&'static str> {
     let same = |a: &Value, b: &Value| a == b || format!("{a:?}") == format!("{b:?}");
-    let (a, b) = (a.values(), b.values());
+    let mut again = again.clone();
+    again.leave_out_as(recorded);
+    let (a, b) = (again.values(), recorded.values());
     let differs = Step::FIELDS.iter().zip(a.iter().zip(&b)).find(|(_, (a, b))| !same(a, b));
     differs.map(|(field, _)| field.name)
 }

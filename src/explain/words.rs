@@ -46,6 +46,7 @@ pub fn value(name: &str, value: &Value) -> String {
         Value::Hash(hash) => format!("{hash:016x}"),
         Value::Flag(flag) => if *flag { "yes" } else { "no" }.to_owned(),
         Value::Name(name) => (*name).to_owned(),
+        Value::Absent => "-".to_owned(),
     }
 }
 
@@ -141,6 +142,15 @@ fn driver(told: &Explanation) -> String {
     }
 }
 
+/// What sonars keep from the safety layer.
+fn unknown(step: &Step) -> String {
+    match step.sonars_unknown {
+        None | Some(0) => String::new(),
+        Some(1) => "; what one sonar looks at is unknown, and counts as blocked".to_owned(),
+        Some(n) => format!("; what {n} sonars look at is unknown, and counts as blocked"),
+    }
+}
+
 /// Why k is what it is.
 fn why(told: &Explanation, step: &Step) -> String {
     let worst = told.sets.asked.iter().find(|asked| asked.counts);
@@ -188,7 +198,8 @@ fn why(told: &Explanation, step: &Step) -> String {
         }
         Reason::WouldBeProjected => format!(
             "the sets would let the person drive{speed} (D as compared = {effective}, Dc(b1) = \
-             {dc1}), but the safety layer would have had to alter what they ask for"
+             {dc1}), but the safety layer would have had to alter what they ask for{}",
+            unknown(step)
         ),
         Reason::DistanceUnknown => "a distance that is needed is unknown".into(),
         Reason::JoystickSilent => format!(

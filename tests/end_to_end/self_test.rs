@@ -44,6 +44,7 @@ fn mutants_are_caught_and_nothing_else_is() {
         ("gamma3 -10 %", "law"),
         ("r_m +10 %", "reference"),
         ("the other side_rule", "reference"),
+        ("sonar 5 dropped", "distances"),
         ("left and right mixed up", "distances"),
         ("estimate one step late", "estimate"),
         ("feedback turns the wrong way", "law"),

@@ -78,6 +78,7 @@ pub(super) enum Cell {
     Hash(u64),
     Flag(bool),
     Name(&'static str),
+    Absent,
 }
 
 impl Cell {
@@ -88,6 +89,7 @@ impl Cell {
             Cell::Hash(hash) => Reading::Text(format!("{hash:016x}")),
             Cell::Flag(yes) => Reading::Flag(yes),
             Cell::Name(name) => Reading::Text(name.to_owned()),
+            Cell::Absent => Reading::Number(f64::NAN),
         }
     }
 }
@@ -106,6 +108,7 @@ pub(super) fn step_cells(step: &Step) -> Vec<Cell> {
             Value::Hash(hash) => cells.push(Cell::Hash(hash)),
             Value::Flag(yes) => cells.push(Cell::Flag(yes)),
             Value::Name(name) => cells.push(Cell::Name(name)),
+            Value::Absent => cells.push(Cell::Absent),
         }
     }
     cells

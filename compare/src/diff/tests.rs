@@ -55,6 +55,25 @@ fn a_run_against_itself_is_the_same() {
     assert_eq!((diff.fields.len(), diff.first_cause), (0, None));
 }
 
+/// A field that only one run has, the other being from before it, differs in nothing; where both have it,
+/// it is compared like any other, with the tolerance of its unit.
+#[test]
+fn a_field_that_one_run_lacks_says_nothing() {
+    let with = |unknown, clear_m| {
+        with_step(run(), 1, |step| (step.sonars_unknown, step.safety_clear_m) = (unknown, clear_m))
+    };
+    let a = with(Some(0), Some(0.5));
+    assert!(exact(&a, &run()).same && exact(&run(), &a).same);
+    let diff = exact(&a, &with(Some(1), Some(0.5)));
+    assert_eq!(fields(&diff), ["sonars_unknown"]);
+    assert_eq!(diff.first_cause.expect("something differs").node, "distances");
+    let nearly = with(Some(0), Some(0.5004));
+    assert_eq!(fields(&exact(&a, &nearly)), ["safety_clear_m"]);
+    assert!(between(&a, &nearly, &Tolerances::practical()).same);
+    let far = with(Some(0), Some(f64::INFINITY));
+    assert_eq!(fields(&between(&a, &far, &Tolerances::practical())), ["safety_clear_m"]);
+}
+
 #[test]
 fn only_the_time_from_the_start_counts() {
     let mut later = run();

@@ -149,6 +149,7 @@ impl Runner {
             Moving { pose: estimate.pose, speeds: [estimate.v_mps, estimate.omega_radps] };
         let Moving { pose, speeds } = self.underway.foresee(&estimated, odometry_age_s, now);
         self.senses.advance(now, t_s, &pose);
+        step.sonars_unknown = self.senses.sonars_unknown();
         self.looked_from = Some(pose);
         self.foreseen = speeds;
         let shield = self.setup.shield(speeds);
@@ -156,6 +157,7 @@ impl Runner {
             let keep_circle_m = self.setup.keep_circle_m();
             self.near.clear(&pose, sweep.reach(), keep_circle_m);
             self.senses.gather(&mut self.near, self.setup.spec.params.v_disc_mps);
+            step.safety_clear_m = Some(self.near.circle_clear_m());
         }
         let blocked = self.blocked(&estimate, odometry_age_s, t_s);
         let facts = Facts { request: &request, pose: &pose, speeds, t_s, blocked, shield };

@@ -233,6 +233,15 @@ impl Senses {
         }
     }
 
+    /// How many sonars' cones are unknown; `None` without sonars.
+    pub(super) fn sonars_unknown(&self) -> Option<i32> {
+        match self {
+            Senses::Exact(_) => None,
+            // There are sixteen.
+            Senses::Sonar(sonar) => i32::try_from(sonar.map.unknown_cones()).ok(),
+        }
+    }
+
     /// Whether no distance sensor can be believed.
     pub(super) fn dead(&self) -> bool {
         match self {

@@ -113,6 +113,11 @@ impl Cones {
         self.cones.iter().all(|cone| !cone.fresh)
     }
 
+    /// How many do not count.
+    pub(super) fn unknown(&self) -> usize {
+        self.cones.iter().filter(|cone| !cone.fresh).count()
+    }
+
     /// Whether all cones that contain a direction in the body frame count, or, where none contains
     /// it, all within 30° of it.
     pub(super) fn known(&self, beams: &[Beam; SONARS.len()], body_angle_rad: f64) -> bool {

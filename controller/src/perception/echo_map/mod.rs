@@ -254,6 +254,11 @@ impl EchoMap {
         self.cones.heard_all()
     }
 
+    /// How many of the cones are unknown.
+    pub fn unknown_cones(&self) -> usize {
+        self.cones.unknown()
+    }
+
     /// Whether no cone is known.
     pub fn dead(&self) -> bool {
         self.cones.dead()

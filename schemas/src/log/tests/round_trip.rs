@@ -145,7 +145,7 @@ fn step() -> impl Strategy<Value = Step> {
     );
     let pairs = [[number(), number()], [number(), number()], [number(), number()]];
     let hashes = (any::<u64>(), any::<u64>(), any::<i32>(), any::<[bool; 2]>());
-    (time(), any::<u64>(), pose(), vec(number(), 8), pairs, names, hashes).prop_map(
+    (time(), any::<u64>(), pose(), vec(number(), 9), pairs, names, hashes).prop_map(
         |(stamp, index, pose, numbers, [u_h, u_f, u_s], names, (input, state, side, flags))| Step {
             pose,
             v_mps: numbers[0],
@@ -156,6 +156,8 @@ fn step() -> impl Strategy<Value = Step> {
             distance_human_m: numbers[5],
             z1: numbers[6],
             d_r2_accel_mps2: numbers[7],
+            safety_clear_m: flags[0].then_some(numbers[8]),
+            sonars_unknown: flags[1].then_some(side),
             u_h,
             u_f,
             u_s,
@@ -210,7 +212,11 @@ fn bytes(event: &Event) -> (&'static str, Vec<u8>) {
 
 /// An event as text, with what a log does not keep taken out.
 fn shown(event: &Event) -> String {
-    format!("{event:?}").replace("-0.0,", "0.0,").replace("-0.0]", "0.0]").replace("-0.0 ", "0.0 ")
+    let mut text = format!("{event:?}");
+    for end in [',', ']', ')', ' '] {
+        text = text.replace(&format!("-0.0{end}"), &format!("0.0{end}"));
+    }
+    text
 }
 
 proptest! {
