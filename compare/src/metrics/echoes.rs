@@ -78,5 +78,23 @@ mod tests {
         assert_eq!(echoes.nearest(2.0), None);
         assert_eq!(echoes.heard(0.0, 0.3), Some((3, 0.3)));
         assert_eq!(echoes.heard(0.0, 0.5), None);
+        // Silence and nonsense are no echoes, and are not remembered as such.
+        assert_eq!(echoes.heard(0.3, 5.0), None);
+        let nonsense = SonarEcho { id: 3, range_m: f64::NAN, echo: true, fired: at(0.4) };
+        let scan = SonarScan { stamp: at(0.4), echoes: vec![nonsense] };
+        echoes.scan(&scan, SIMULATION_EPOCH);
+        assert_eq!(echoes.heard(0.4, 0.0), None);
+        assert_eq!(echoes.before.len(), 2);
+    }
+
+    #[test]
+    fn only_so_many_are_remembered() {
+        let mut echoes = Echoes::default();
+        for i in 0..=MOST {
+            let echo = SonarEcho { id: 0, range_m: 1.0, echo: true, fired: at(i as f64) };
+            echoes.scan(&SonarScan { stamp: echo.fired, echoes: vec![echo] }, SIMULATION_EPOCH);
+            assert_eq!(echoes.before.len(), (i + 1).min(MOST));
+        }
+        assert_eq!((echoes.heard(0.0, 1.0), echoes.heard(1.0, 1.0)), (None, Some((0, 1.0))));
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Steps and motions come every 0.1 s unless a test says otherwise; limits are 0.7 m/s, 2 rad/s.
 
+mod borders;
 mod edges;
 mod ride;
 mod warrant;
