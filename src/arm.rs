@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, Result, anyhow};
 use compare::{CATALOGUE, Diff, LevelPair, LogPair, Measured, Meter, Tolerances};
-use controller::Spec;
-use replay::{Gains, Mode, Person, Recording, Replay};
+use controller::{Runner, Spec};
+use replay::{Faults, Gains, Mode, Person, Recording, Replay};
 use schemas::log::LogReader;
 use schemas::{Event, Header, Reason, Scenario, Stamped, Step, Time};
 
@@ -55,23 +55,33 @@ impl Arm {
 }
 
 /// Both arms of a log, over one reading of it where both are replayed.
-fn arms(log: &Log<'_>, choices: [&ControllerChoice; 2], mode: Mode) -> [Result<Arm>; 2] {
+fn arms(
+    log: &Log<'_>,
+    choices: [&ControllerChoice; 2],
+    mode: Mode,
+    faults: &Faults,
+) -> [Result<Arm>; 2] {
     let specs = choices.map(|choice| match choice {
         ControllerChoice::Recorded => Ok(None),
-        version @ ControllerChoice::Version { .. } => version.for_log(&log.header).map(Some),
+        version @ ControllerChoice::Version { .. } => {
+            let spec = version.for_log(&log.header)?;
+            made(&log.header, &spec)?;
+            anyhow::Ok(Some(spec))
+        }
     });
+    let replayed = |replay: Replay<BufReader<File>>| Arm::Replayed(replay.under(faults.clone()));
     if let (Mode::Open, [Ok(Some(a)), Ok(Some(b))]) = (mode, &specs) {
         let shared = logs::open_raw(log.path)
             .map(|reader| Replay::side_by_side(reader, &[a.clone(), b.clone()]));
         if let Ok(Ok([a, b])) = shared.map(<[_; 2]>::try_from) {
-            return [a, b].map(|replay| Ok(Arm::Replayed(replay?)));
+            return [a, b].map(|replay| Ok(replayed(replay?)));
         }
     }
     specs.map(|spec| {
         let Some(spec) = spec? else {
             return Ok(Arm::Recorded(Box::new(logs::open_raw(log.path)?)));
         };
-        Ok(Arm::Replayed(match (mode, &log.recording) {
+        Ok(replayed(match (mode, &log.recording) {
             (Mode::Closed(person), Some(recording)) => {
                 Replay::of_recording(recording, &spec, person)?
             }
@@ -80,12 +90,23 @@ fn arms(log: &Log<'_>, choices: [&ControllerChoice; 2], mode: Mode) -> [Result<A
     })
 }
 
+/// Makes a controller for a log and throws it away: what breaks in the making breaks here, where it is
+/// caught and watched. Reading the log and its person, which may take its time, is not the controller's.
+pub fn made(header: &Header, spec: &Spec) -> Result<()> {
+    let setup = replay::setup(header, spec)?;
+    caught(|| Runner::new(&setup).map(drop))??;
+    Ok(())
+}
+
 /// Runs what may be somebody else's code: a panic becomes an error that says so, and whoever watches
 /// this thread knows that it is in there.
 pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T> {
     let inside = watch::enter();
     let done = panic::catch_unwind(AssertUnwindSafe(work));
     drop(inside);
+    if watch::is_given_up() {
+        return Err(anyhow!("the controller answered when it had long been given up"));
+    }
     done.map_err(|payload| {
         let said = payload
             .downcast_ref::<&str>()
@@ -119,6 +140,7 @@ pub fn floor(
 ) -> Result<BTreeMap<&'static str, f64>> {
     let header = recording.header();
     let spec = ControllerChoice::Recorded.for_log(header)?;
+    made(header, &spec)?;
     let mut simulated = Meter::new(header);
     let mut replay: Replay<BufReader<File>> = Replay::of_recording(recording, &spec, person)?;
     while let Some(event) = caught(|| replay.next_event())? {
@@ -157,14 +179,15 @@ impl<'a> Log<'a> {
 }
 
 /// Both arms of one log, walked side by side: measured, and compared step by step; for each mode in
-/// turn, the levels of the ladder.
+/// turn, the levels of the ladder. Both under the same faults.
 pub fn pair(
     path: &Path,
     choices: (&ControllerChoice, &ControllerChoice),
     modes: &[Mode],
+    faults: &Faults,
 ) -> Result<LogPair> {
     let log = Log::read(path, modes)?;
-    let levels = modes.iter().map(|mode| level(&log, choices, *mode)).collect();
+    let levels = modes.iter().map(|mode| level(&log, choices, *mode, faults)).collect();
     Ok(LogPair {
         log: path.display().to_string(),
         operator: log.header.run.operator.clone(),
@@ -179,7 +202,7 @@ pub fn pair(
 pub fn write_side_by_side(
     path: &Path,
     choices: [&ControllerChoice; 2],
-    mode: Mode,
+    (mode, faults): (Mode, &Faults),
     output: &Path,
 ) -> Result<()> {
     let log = Log::read(path, &[mode])?;
@@ -192,7 +215,7 @@ pub fn write_side_by_side(
         }
     };
     let headers = [header(choices[0])?, header(choices[1])?];
-    let [a, b] = arms(&log, choices, mode);
+    let [a, b] = arms(&log, choices, mode, faults);
     let (mut a, mut b) = (a?, b?);
     side_by_side::write(output, [&headers[0], &headers[1]], || a.next_event(), || b.next_event())
 }
@@ -208,13 +231,18 @@ fn recorded_by(log: &Log<'_>, choice: &ControllerChoice) -> Result<Option<Measur
 }
 
 /// Both arms of one log in one mode.
-fn level(log: &Log<'_>, choices: (&ControllerChoice, &ControllerChoice), mode: Mode) -> LevelPair {
+fn level(
+    log: &Log<'_>,
+    choices: (&ControllerChoice, &ControllerChoice),
+    mode: Mode,
+    faults: &Faults,
+) -> LevelPair {
     let mut level = LevelPair::failed("");
     if let Mode::Closed(person) = mode {
         person.name().clone_into(&mut level.human);
         level.estimates = person.is_estimate();
     }
-    match arms(log, [choices.0, choices.1], mode) {
+    match arms(log, [choices.0, choices.1], mode, faults) {
         [Ok(a), Ok(b)] => {
             let sides =
                 [Side::new(&log.header, choices.0, a), Side::new(&log.header, choices.1, b)];
@@ -290,45 +318,47 @@ impl Side {
     /// The next event. A failure ends this side alone: the other is measured to its end.
     fn next_event(&self) -> Option<Stamped<Event>> {
         let next = self.arm.borrow_mut().next_event();
-        match next {
-            Ok(Some(event)) => {
-                self.meter.borrow_mut().observe(&event);
+        let asked = next.and_then(|event| {
+            if let Some(event) = &event {
+                self.meter.borrow_mut().observe(event);
                 self.last_s.set(event.at.seconds_since(self.start));
                 if let Event::Step(step) = &event.value {
-                    self.ask(step);
+                    self.ask(step)?;
                 }
-                Some(event)
             }
-            Ok(None) => None,
-            Err(error) => {
-                *self.failed.borrow_mut() = Some(error);
-                None
-            }
-        }
+            Ok(event)
+        });
+        asked.unwrap_or_else(|error| {
+            *self.failed.borrow_mut() = Some(error);
+            None
+        })
     }
 
     /// Asks the controller, where another drives than in the step before, which echo that hangs on: the
     /// one that ends D, or that the safety layer looks at.
-    fn ask(&self, step: &Step) {
+    fn ask(&self, step: &Step) -> Result<()> {
         let drives = (step.k, step.projected);
         if self.drove.replace(Some(drives)).is_none_or(|before| before == drives) {
-            return;
+            return Ok(());
         }
         let arm = self.arm.borrow();
-        let (Arm::Replayed(replay), Some(spec)) = (&*arm, &self.spec) else { return };
-        let Some(look) = replay.runner().look() else { return };
+        let (Arm::Replayed(replay), Some(spec)) = (&*arm, &self.spec) else { return Ok(()) };
         let kept_back = step.reason == Reason::WouldBeProjected || step.projected;
-        let ray = if kept_back {
-            look.shielded(step.u_h, false).and_then(|shielded| shielded.ray)
-        } else {
+        // What a controller says of itself it may get wrong like all the rest.
+        let ray = caught(|| {
+            let look = replay.runner().look()?;
+            if kept_back {
+                return look.shielded(step.u_h, false)?.ray;
+            }
             let trace = trace::Trace::new(&look, step, spec, &self.scenario);
             // Asked about both speeds, D is that of the one that is nearer to danger.
             let present = trace.present.filter(|ray| ray.free_m == step.distance_human_m);
             Some(present.unwrap_or(trace.requested))
-        };
+        })?;
         if let Some(echo) = ray.and_then(|ray| ray.echo) {
             self.meter.borrow_mut().ended_by(echo.fired, echo.range_m);
         }
+        Ok(())
     }
 
     /// When the arm parted from the recording, or where it ended without; `None` in open loop.

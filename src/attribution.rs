@@ -6,17 +6,19 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Result, ensure};
 use compare::{CATALOGUE, Measured, Meter, ParameterChange, Swap, Values, swap_parameters};
 use controller::Spec;
-use replay::{Mode, Recording, Replay};
+use replay::{Faults, Mode, Recording, Replay};
 use toml::Table;
 
-use crate::arm::caught;
+use crate::arm::{caught, made};
 use crate::cli::Common;
 use crate::controller_choice::ControllerChoice;
-use crate::{fleet, interrupt, logs};
+use crate::fleet::watch;
+use crate::{fleet, interrupt, logs, output};
 
 /// Sums below this share of what was added up are rounding.
 const ROUNDING: f64 = 1e-12;
@@ -30,25 +32,50 @@ struct Log {
     b: Spec,
 }
 
-/// What every parameter that differs does to every metric, as a mean over the logs that can be replayed.
-pub fn attribute(
-    common: &Common,
+/// How to run the logs again.
+pub struct How {
+    /// The mode.
+    pub mode: Mode,
+    /// What every run is put under.
+    pub faults: Faults,
+    /// After how long a controller that does not answer is given up.
+    pub hang_after: Duration,
+}
+
+/// Refuses controllers that cannot be swapped parameter by parameter, before anything is run: of different
+/// laws, on any log whose head can be read.
+pub fn refuse_laws(
     (a, b): (&ControllerChoice, &ControllerChoice),
     paths: &[PathBuf],
-    mode: Mode,
-) -> Result<Vec<Swap>> {
-    let read = fleet::each(common, paths, "reading", |path| Log::read(path, (a, b), mode));
-    // A log that cannot be read is reported by the comparison itself.
-    let logs: Vec<Log> = read.into_iter().filter_map(Result::ok).collect();
-    let mut keys = BTreeSet::new();
-    for log in &logs {
-        let (a, b) = (log.a.law, log.b.law);
+) -> Result<()> {
+    for path in paths {
+        // A log that cannot be read is reported by the comparison itself.
+        let Ok(log) = logs::open(path) else { continue };
+        let (Ok(a), Ok(b)) = (a.for_log(log.header()), b.for_log(log.header())) else { continue };
+        let (a, b) = (a.law, b.law);
         ensure!(
             a == b,
             "--attribute swaps parameters, and A and B have different laws ({}, {})",
             a.name(),
             b.name()
         );
+    }
+    Ok(())
+}
+
+/// What every parameter that differs does to every metric, as a mean over the logs that can be replayed.
+pub fn attribute(
+    common: &Common,
+    (a, b): (&ControllerChoice, &ControllerChoice),
+    paths: &[PathBuf],
+    how: How,
+) -> Result<Vec<Swap>> {
+    let How { mode, faults, hang_after } = how;
+    let read = fleet::each(common, paths, "reading", |path| Log::read(path, (a, b), mode));
+    // A log that cannot be read is reported by the comparison itself.
+    let logs: Vec<Arc<Log>> = read.into_iter().filter_map(Result::ok).map(Arc::new).collect();
+    let mut keys = BTreeSet::new();
+    for log in &logs {
         keys.extend(log.differing()?);
     }
     let parameters: Vec<ParameterChange> =
@@ -56,13 +83,24 @@ pub fn attribute(
     if parameters.is_empty() {
         return Ok(Vec::new());
     }
+    let faults = Arc::new(faults);
+    let mut failed = BTreeSet::new();
     let swaps = swap_parameters(&parameters, |of_b| {
-        let runs = fleet::each(common, &logs, "swapping", |log| log.run(of_b, mode));
+        let of_b: BTreeSet<String> = of_b.iter().map(|key| (*key).to_owned()).collect();
+        let faults = Arc::clone(&faults);
+        let work = move |log: &Arc<Log>| log.run(&of_b, mode, &faults);
+        let runs = watch::each(common, logs.clone(), "swapping", hang_after, work);
         interrupt::check()?;
         // By log, so that a metric without a value in one run of a log is a difference of no pair.
         let mut values = Values::new();
         for (number, run) in runs.into_iter().enumerate() {
-            let Ok(run) = run else { continue };
+            let run = match run {
+                Ok(run) => run,
+                Err(error) => {
+                    failed.insert(format!("{}: {error:#}", logs[number].path.display()));
+                    continue;
+                }
+            };
             for metric in CATALOGUE.iter().filter(|metric| metric.group.is_repeatable()) {
                 if let Some(value) = run.metrics.get(metric.name) {
                     values.insert(format!("{} {number}", metric.name), value);
@@ -71,6 +109,9 @@ pub fn attribute(
         }
         anyhow::Ok(values)
     })?;
+    for error in failed {
+        output::note(&format!("error: left out of a swap: {}", output::one_line(&error)));
+    }
     Ok(swaps
         .into_iter()
         .map(|swap| Swap { forth: means(&swap.forth), back: means(&swap.back), ..swap })
@@ -100,20 +141,21 @@ impl Log {
     }
 
     /// A with these parameters of B.
-    fn run(&self, of_b: &BTreeSet<&str>, mode: Mode) -> Result<Measured> {
+    fn run(&self, of_b: &BTreeSet<String>, mode: Mode, faults: &Faults) -> Result<Measured> {
         let b: Table = self.b.params_toml().parse()?;
-        let taken: Table = b.into_iter().filter(|(key, _)| of_b.contains(key.as_str())).collect();
+        let taken: Table = b.into_iter().filter(|(key, _)| of_b.contains(key)).collect();
         let mut spec = self.a.clone();
         for (key, value) in &taken {
             spec.params.set(key, value)?;
         }
-        let name = || self.path.display().to_string();
-        let mut replay: Replay<BufReader<File>> = match (mode, &self.recording) {
+        made(&self.header, &spec)?;
+        let replay: Replay<BufReader<File>> = match (mode, &self.recording) {
             (Mode::Closed(person), Some(recording)) => {
-                Replay::of_recording(recording, &spec, person).with_context(name)?
+                Replay::of_recording(recording, &spec, person)?
             }
-            _ => Replay::new(|| logs::open_raw(&self.path), &spec, mode).with_context(name)?,
+            _ => Replay::new(|| logs::open_raw(&self.path), &spec, mode)?,
         };
+        let mut replay = replay.under(faults.clone());
         let mut meter = Meter::new(&self.header);
         while let Some(event) = caught(|| replay.next_event())? {
             interrupt::check()?;

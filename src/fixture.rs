@@ -10,21 +10,24 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, anyhow, bail};
 use compare::golden::Golden;
 use compare::{Diff, Measured, Meter, Tolerances};
-use replay::Replay;
+use replay::{Fault, Faults, Replay};
 use schemas::log::WriterOptions;
 use schemas::{Event, Header, Stamped};
 use serde::Deserialize;
 
+use crate::arm::{caught, made};
 use crate::command::replay::{HumanName, ModeName, replay_header};
 use crate::controller_choice::ControllerChoice;
 use crate::{interrupt, logs};
 
 /// A fixture on disk.
+#[derive(Clone)]
 pub struct Fixture {
     /// Its folder.
     pub folder: PathBuf,
     controller: ControllerChoice,
     mode: ModeName,
+    faults: Faults,
 }
 
 /// `fixture.toml`.
@@ -39,6 +42,11 @@ struct Settings {
     _made_by: String,
     controller: String,
     mode: String,
+    /// What is put between sensors and controller, as `tandem replay --fault` takes it.
+    #[serde(default)]
+    faults: Vec<String>,
+    #[serde(default)]
+    fault_seed: u64,
 }
 
 /// What a fixture gives today.
@@ -86,7 +94,12 @@ impl Fixture {
             }
         };
         let controller = settings.controller.parse().with_context(name)?;
-        Ok(Fixture { folder: folder.to_owned(), controller, mode })
+        let faults = settings.faults.iter().map(|fault| fault.parse());
+        let faults = faults
+            .collect::<Result<Vec<Fault>, _>>()
+            .and_then(|faults| Faults::new(faults, settings.fault_seed))
+            .with_context(name)?;
+        Ok(Fixture { folder: folder.to_owned(), controller, mode, faults })
     }
 
     /// Where its golden summary stands.
@@ -106,11 +119,12 @@ impl Fixture {
         let header = logs::open(&session)?.header().clone();
         let spec = self.controller.for_log(&header).with_context(name)?;
         let mode = self.mode.with(HumanName::Playback, replay::Gains::PRIOR);
-        let mut replay =
-            Replay::new(|| logs::open_raw(&session), &spec, mode).with_context(name)?;
+        made(&header, &spec).with_context(name)?;
+        let replay = Replay::new(|| logs::open_raw(&session), &spec, mode).with_context(name)?;
+        let mut replay = replay.under(self.faults.clone());
         let mut meter = Meter::new(&header);
         let mut events = Vec::new();
-        while let Some(event) = replay.next_event() {
+        while let Some(event) = caught(|| replay.next_event()).with_context(name)? {
             interrupt::check()?;
             meter.observe(&event);
             if matches!(event.value, Event::Step(_) | Event::Command(_)) {

@@ -11,6 +11,7 @@ mod cli;
 mod command;
 mod controller_choice;
 mod explain;
+mod faults;
 mod fixture;
 mod fleet;
 mod interrupt;

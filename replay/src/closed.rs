@@ -13,7 +13,7 @@ use crate::horizon::{Horizon, Watch};
 use crate::human::Person;
 use crate::led::Led;
 use crate::outcome::{Outcome, Tally};
-use crate::recorded::{Recorded, sensors_of};
+use crate::recorded::{Recorded, setup};
 use crate::window::Between;
 use crate::{Covered, OutputHash, Recording, ReplayError, WarmUp, Window};
 
@@ -86,9 +86,8 @@ impl<R: Read> ClosedLoop<R> {
         runner: impl FnOnce(&Setup) -> Result<Runner, SpecError>,
     ) -> Result<ClosedLoop<R>, ReplayError> {
         let header = recording.header();
-        let (sensors, start) = (sensors_of(header)?, header.run.start);
-        let scenario = header.scenario.clone();
-        let setup = Setup { spec: spec.clone(), scenario, sensors, start };
+        let setup = setup(header, spec)?;
+        let (sensors, start) = (setup.sensors, setup.start);
         let runner = runner(&setup)?;
         let simulation = Simulation::new(
             SimulationSetup {

@@ -5,103 +5,18 @@
 //! the number of the reading alone, so that two controllers meet the same faults.
 
 mod delayed;
+mod name;
+mod silence;
 
-use std::str::FromStr;
-
-use schemas::log::Topic;
 use schemas::{Command, Event, Gap, Pulled, Sample, Source, Stamped, Time};
 use simulator::{Purpose, Stream};
 
 use delayed::Delayed;
+pub use name::{BadFault, FAULTS, Fault};
+use silence::Silence;
 
 /// Farthest range that cross-talk makes up, metres.
 const CROSS_TALK_M: f64 = 3.0;
-
-/// One fault.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Fault {
-    /// This share of the sonar readings hears nothing.
-    SonarDropout(f64),
-    /// This share of the sonar readings is another sonar's echo, at a random shorter range.
-    CrossTalk(f64),
-    /// Every sonar range is wrong by so much, metres.
-    SonarBias(f64),
-    /// The sonar of this number hears nothing.
-    SonarDead(u8),
-    /// The gyro's turn rate about z is wrong by so much, rad/s.
-    GyroBias(f64),
-    /// The left wheels turn by this share more than the robot moves.
-    EncoderSlip(f64),
-    /// Sensors arrive this much later, seconds; their stamps stay.
-    Latency(f64),
-    /// Sensors arrive up to this much later, each by its own, seconds.
-    Jitter(f64),
-    /// The joystick says the same from one instant to another, seconds from the start.
-    JoystickFreeze(f64, f64),
-    /// The controller never answers from this instant on, seconds from the start.
-    ControllerHang(f64),
-    /// The controller panics at this instant, seconds from the start.
-    ControllerPanic(f64),
-}
-
-/// The faults' names, with what each value means.
-pub const FAULTS: &[(&str, &str)] = &[
-    ("sonar-dropout=SHARE", "sonar readings that hear nothing"),
-    ("cross-talk=SHARE", "sonar readings that are another sonar's echo, at a random shorter range"),
-    ("sonar-bias=M", "error of every sonar range, metres"),
-    ("sonar-dead=ID", "a sonar that hears nothing, 0 to 15"),
-    ("gyro-bias=RADPS", "error of the turn rate about z, rad/s"),
-    ("encoder-slip=SHARE", "how much further than the robot the left wheels go"),
-    ("latency=S", "how much later sensors arrive, seconds"),
-    ("jitter=S", "how much later at most, each reading by its own, seconds"),
-    ("controller-hang=S", "a controller that does not answer from then on, seconds from the start"),
-    ("controller-panic=S", "a controller that panics then, seconds from the start"),
-    ("joystick-freeze=FROM-TO", "a joystick that is stuck, seconds from the start"),
-];
-
-/// A fault that does not read.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("bad fault {0:?}: expected one of {names}", names = names())]
-pub struct BadFault(String);
-
-fn names() -> String {
-    FAULTS.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ")
-}
-
-impl FromStr for Fault {
-    type Err = BadFault;
-
-    fn from_str(text: &str) -> Result<Fault, BadFault> {
-        let bad = || BadFault(text.to_owned());
-        let (name, value) = text.split_once('=').ok_or_else(bad)?;
-        let number = |value: &str| {
-            value.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(bad)
-        };
-        let at_least_0 =
-            |value: &str| number(value).and_then(|x| if x < 0.0 { Err(bad()) } else { Ok(x) });
-        let share =
-            |value: &str| at_least_0(value).and_then(|x| if x > 1.0 { Err(bad()) } else { Ok(x) });
-        Ok(match name {
-            "sonar-dropout" => Fault::SonarDropout(share(value)?),
-            "cross-talk" => Fault::CrossTalk(share(value)?),
-            "sonar-bias" => Fault::SonarBias(number(value)?),
-            "sonar-dead" => {
-                Fault::SonarDead(value.parse().ok().filter(|id| *id < 16).ok_or_else(bad)?)
-            }
-            "gyro-bias" => Fault::GyroBias(number(value)?),
-            "encoder-slip" => Fault::EncoderSlip(share(value)?),
-            "latency" => Fault::Latency(at_least_0(value)?),
-            "jitter" => Fault::Jitter(at_least_0(value)?),
-            "joystick-freeze" => {
-                let (from, to) = value.split_once('-').ok_or_else(bad)?;
-                Fault::JoystickFreeze(at_least_0(from)?, at_least_0(to)?)
-            }
-            "controller-hang" => Fault::ControllerHang(at_least_0(value)?),
-            "controller-panic" => Fault::ControllerPanic(at_least_0(value)?),
-            _ => return Err(bad()),
-        })
-    }
-}
 
 /// Does to whoever steps at `t_s` what a broken controller does: never comes back, or panics.
 #[expect(clippy::panic, reason = "asked for, to show what becomes of the others")]
@@ -122,10 +37,38 @@ fn break_down(faults: &[Fault], t_s: f64) {
 /// Faults with the seed of what is random about them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Faults {
-    /// What is wrong.
-    pub faults: Vec<Fault>,
-    /// Seed.
-    pub seed: u64,
+    faults: Vec<Fault>,
+    seed: u64,
+}
+
+impl Faults {
+    /// These faults, with this seed.
+    ///
+    /// # Errors
+    /// One of them is there twice: whether that is to be twice as much, nobody can tell.
+    pub fn new(faults: Vec<Fault>, seed: u64) -> Result<Faults, BadFault> {
+        for (number, fault) in faults.iter().enumerate() {
+            if faults[..number].iter().any(|before| before.clashes(fault)) {
+                return Err(BadFault::Twice(fault.to_string()));
+            }
+        }
+        Ok(Faults { faults, seed })
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.faults.is_empty()
+    }
+
+    /// Their names with their values, as they are asked for.
+    pub fn names(&self) -> Vec<String> {
+        self.faults.iter().map(Fault::to_string).collect()
+    }
+
+    /// The seed of what is random about them.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
 }
 
 /// A source whose samples are faulty.
@@ -133,11 +76,11 @@ pub(crate) struct Faulty<S> {
     source: S,
     faults: Faults,
     /// When which streams were silent.
-    gaps: Vec<Gap>,
+    silence: Silence,
     start: Time,
-    /// Samples heard, by kind: the numbers that noise goes by.
-    heard: [u64; 5],
-    /// The last joystick before it froze.
+    /// Samples so far, by kind: the numbers that noise goes by.
+    counts: [u64; 5],
+    /// What the joystick said when it froze, while it is frozen.
     stuck: Option<[f64; 2]>,
     delayed: Delayed,
 }
@@ -147,9 +90,9 @@ impl<S: Source> Faulty<S> {
         Faulty {
             source,
             faults: Faults::default(),
-            gaps: Vec::new(),
+            silence: Silence::default(),
             start,
-            heard: [0; 5],
+            counts: [0; 5],
             stuck: None,
             delayed: Delayed::default(),
         }
@@ -161,24 +104,16 @@ impl<S: Source> Faulty<S> {
 
     /// Lets streams fall silent as they did in a recording.
     pub(crate) fn silence(&mut self, gaps: &[Gap]) {
-        self.gaps = gaps.to_vec();
+        self.silence = Silence::of(gaps);
     }
 
     /// The next thing of the source that was not lost in a gap.
-    fn heard(&mut self) -> Result<Option<Pulled>, S::Error> {
+    fn next_heard(&mut self) -> Result<Option<Pulled>, S::Error> {
         loop {
             let next = self.source.pull()?;
-            let lost = match &next {
-                Some(Pulled::Event(Stamped { value: event @ Event::Sample(sample), .. })) => {
-                    let (topic, stamp) = (Topic::of(event).name(), sample.stamp());
-                    self.gaps
-                        .iter()
-                        .any(|gap| gap.stream == topic && gap.start < stamp && stamp < gap.end)
-                }
-                _ => false,
-            };
-            if !lost {
-                return Ok(next);
+            match &next {
+                Some(Pulled::Event(event)) if self.silence.swallows(&event.value) => {}
+                _ => return Ok(next),
             }
         }
     }
@@ -196,8 +131,8 @@ impl<S: Source> Faulty<S> {
             Sample::Joystick(_) => 3,
             Sample::Exact(_) => 4,
         };
-        let index = self.heard[kind];
-        self.heard[kind] += 1;
+        let index = self.counts[kind];
+        self.counts[kind] += 1;
         let mut late_s = 0.0;
         for (number, fault) in self.faults.faults.iter().enumerate() {
             let draw = Stream::new(self.faults.seed, Purpose::Fault(number as u8)).reading(index);
@@ -232,19 +167,20 @@ impl<S: Source> Faulty<S> {
                     encoders.left_m *= 1.0 + share;
                     encoders.left_mps *= 1.0 + share;
                 }
-                (Fault::JoystickFreeze(from_s, to_s), Sample::Joystick(joystick)) => {
-                    let t_s = joystick.stamp.seconds_since(self.start);
-                    if (*from_s..*to_s).contains(&t_s) {
-                        let now = [joystick.v_mps, joystick.omega_radps];
-                        [joystick.v_mps, joystick.omega_radps] = *self.stuck.get_or_insert(now);
-                    } else {
-                        self.stuck = None;
-                    }
-                }
+                // Below: it may freeze several times.
                 (_, Sample::Joystick(_)) => {}
                 (Fault::Latency(latency_s), _) => late_s += latency_s,
                 (Fault::Jitter(jitter_s), _) => late_s += draw.between(kind as u64, 0.0, *jitter_s),
                 _ => {}
+            }
+        }
+        if let Sample::Joystick(joystick) = sample {
+            let t_s = joystick.stamp.seconds_since(self.start);
+            if self.faults.faults.iter().any(|fault| fault.freezes_at(t_s)) {
+                let now = [joystick.v_mps, joystick.omega_radps];
+                [joystick.v_mps, joystick.omega_radps] = *self.stuck.get_or_insert(now);
+            } else {
+                self.stuck = None;
             }
         }
         late_s
@@ -256,11 +192,11 @@ impl<S: Source> Source for Faulty<S> {
 
     fn pull(&mut self) -> Result<Option<Pulled>, S::Error> {
         if self.faults.faults.is_empty() {
-            return self.heard();
+            return self.next_heard();
         }
         loop {
             if !self.delayed.knows_next() {
-                let mut next = self.heard()?;
+                let mut next = self.next_heard()?;
                 if let Some(Pulled::Event(Stamped { at, value: Event::Sample(sample) })) = &mut next
                 {
                     let late_s = self.alter(sample);

@@ -40,6 +40,7 @@ pub use human::{Gains, Person, Reaction};
 pub use map::Map;
 pub use outcome::{Deviation, Outcome};
 pub use plant::{Estimate, PlantEstimate};
+pub use recorded::setup;
 pub use recording::Recording;
 pub use window::{WarmUp, Window};
 

@@ -3,13 +3,13 @@
 use std::io::Read;
 use std::sync::Arc;
 
-use controller::{Runner, Session, Setup, Spec};
+use controller::{Runner, Session, Spec};
 use schemas::log::LogError;
 use schemas::{Command, Event, Pulled, Source, Stamped, Step, Time};
 
 use crate::fault::{Faults, Faulty};
 use crate::outcome::{Outcome, Tally};
-use crate::recorded::sensors_of;
+use crate::recorded::setup;
 use crate::tee::Events;
 use crate::window::Between;
 use crate::{Covered, ReplayError, WarmUp, Window};
@@ -57,13 +57,7 @@ impl<R: Read> OpenLoop<R> {
     pub(crate) fn new(log: Events<R>, spec: &Spec) -> Result<OpenLoop<R>, ReplayError> {
         let header = log.header();
         let start = header.run.start;
-        let setup = Setup {
-            spec: spec.clone(),
-            sensors: sensors_of(&header)?,
-            scenario: header.scenario,
-            start,
-        };
-        let runner = Runner::new(&setup)?;
+        let runner = Runner::new(&setup(&header, spec)?)?;
         let (recorded, wanted) = (header.run.control_period_ns, runner.control_period());
         if recorded != wanted.0 {
             return Err(ReplayError::ControlPeriod {

@@ -2,18 +2,32 @@
 
 use std::io::Read;
 
+use controller::{Setup, Spec};
 use schemas::log::{LogError, LogReader};
 use schemas::{Event, Header, SensorSuite, Stamped, Step, Time};
 
 use crate::ReplayError;
 
 /// The sensor suite that a log was recorded with.
-pub(crate) fn sensors_of(header: &Header) -> Result<SensorSuite, ReplayError> {
+fn sensors_of(header: &Header) -> Result<SensorSuite, ReplayError> {
     match header.run.sensors.as_str() {
         "exact" => Ok(SensorSuite::Exact),
         "sonar" => Ok(SensorSuite::Sonar),
         other => Err(ReplayError::Sensors(other.to_owned())),
     }
+}
+
+/// What a controller is built with to be replayed on a log.
+///
+/// # Errors
+/// The log names sensors that are none.
+pub fn setup(header: &Header, spec: &Spec) -> Result<Setup, ReplayError> {
+    Ok(Setup {
+        spec: spec.clone(),
+        sensors: sensors_of(header)?,
+        scenario: header.scenario.clone(),
+        start: header.run.start,
+    })
 }
 
 /// A recording, walked forward by log time.

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::fs;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use anyhow::{Context as _, Result};
 use clap::Args;
@@ -10,9 +11,11 @@ use compare::golden::{self, Golden, Problem};
 use serde::Serialize;
 
 use crate::cli::Common;
+use crate::command::replay::patience;
 use crate::fixture::{self, Fixture};
+use crate::fleet::watch;
+use crate::output;
 use crate::status::Status;
-use crate::{fleet, output};
 
 /// Replay every fixture with today's controller and compare it with its golden result.
 ///
@@ -27,6 +30,9 @@ pub struct Check {
     /// Folder of fixtures, or one fixture
     #[arg(value_name = "DIR", default_value = "fixtures")]
     folder: PathBuf,
+    /// Give up on a controller that does not answer for so many seconds; its fixture then has failed
+    #[arg(long, default_value = "30", value_name = "SECONDS", value_parser = patience)]
+    hang_after: Duration,
 }
 
 #[derive(Serialize)]
@@ -47,11 +53,7 @@ struct Checked {
 impl Check {
     pub fn run(&self, common: &Common) -> Result<Status> {
         let fixtures = fixture::find(&self.folder)?;
-        let folders: Vec<PathBuf> = fixtures.iter().map(|fixture| fixture.folder.clone()).collect();
-        let results = fleet::each(common, &folders, "checking", |folder| {
-            let fixture = fixtures.iter().find(|fixture| fixture.folder == *folder);
-            fixture.context("fixture vanished").and_then(check)
-        });
+        let results = watch::each(common, fixtures.clone(), "checking", self.hang_after, check);
         let mut report = Report { ok: true, problems: Vec::new(), fixtures: Vec::new() };
         for (fixture, result) in fixtures.iter().zip(results) {
             let fixture = fixture.folder.display().to_string();
@@ -59,7 +61,8 @@ impl Check {
                 let problem = Problem {
                     at: fixture.clone(),
                     what: format!("{error:#}"),
-                    remedy: "restore the fixture, or make it again: fixtures/README.md".to_owned(),
+                    remedy: "mend the controller, or restore the fixture: fixtures/README.md"
+                        .to_owned(),
                 };
                 (vec![problem], None)
             });

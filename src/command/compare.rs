@@ -13,13 +13,14 @@ use ::compare::{
 };
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
-use replay::Mode;
+use replay::{Faults, Mode};
 use schemas::Header;
 use side_by_side::SideBySide;
 
 use crate::cli::Common;
 use crate::command::replay::{HumanName, ModeName, patience};
 use crate::controller_choice::ControllerChoice;
+use crate::faults::FaultArgs;
 use crate::fleet::watch;
 use crate::self_test::{Answer, Ask};
 use crate::status::Status;
@@ -40,6 +41,9 @@ In a pipeline:
 
 Would it notice?
   tandem compare --self-test --a tandem-kinematic
+
+With broken sensors, the same for both?
+  tandem compare --a paper-kinematic --b tandem-kinematic --fault sonar-dead=3 logs/*.mcap
 
 Exit status: 0 better, worse or same; 1 failed; 3 undecided.
 With a gate: 0 passed, 1 failed, 3 undecided. With --self-test: 1 also when that is not passed.")]
@@ -62,6 +66,8 @@ pub struct Compare {
     /// Give up on a controller that does not answer for so many seconds; its log then has failed
     #[arg(long, default_value = "30", value_name = "SECONDS", value_parser = patience)]
     pub hang_after: Duration,
+    #[command(flatten)]
+    pub faults: FaultArgs,
     /// TOML file that says how much worse B may be; it then decides the exit status
     #[arg(long, value_name = "FILE")]
     pub gate: Option<PathBuf>,
@@ -158,13 +164,23 @@ impl Compare {
         let gate = self.gate.as_deref().map(read_gate).transpose()?;
         ensure!(!self.logs.is_empty() || self.b.is_none(), "no log to compare A and B on");
         self.refuse_copies()?;
+        let faults = self.faults.faults()?;
+        let recorded = [&self.a, self.b()].contains(&&ControllerChoice::Recorded);
+        ensure!(
+            faults.is_empty() || !recorded,
+            "--fault is put under controllers that are replayed, and `recorded` is not: name the \
+             controller that recorded"
+        );
+        if self.attribute {
+            attribution::refuse_laws((&self.a, self.b()), &self.logs)?;
+        }
         let tested =
             if self.self_test { Some(self.test(common, &modes, gate.clone())?) } else { None };
         let provenance = self.provenance(tested.as_ref().map(|answer| &answer.header));
         let (self_test, itself) = tested.map(|answer| (answer.test, answer.itself)).unzip();
         let pairs = match (&self.b, itself) {
             (None, Some(itself)) => itself,
-            _ => self.pairs(common, &modes),
+            _ => self.pairs(common, &modes, &faults),
         };
         let question = Question {
             a: self.a.label().to_owned(),
@@ -179,19 +195,25 @@ impl Compare {
                 .collect(),
             provenance,
             gate,
+            faults: faults.names(),
         };
         let mut comparison = ::compare::compare(&question, pairs)?;
         comparison.self_test = self_test;
         if self.attribute {
+            let how = attribution::How {
+                mode: shown(&modes),
+                faults: faults.clone(),
+                hang_after: self.hang_after,
+            };
             comparison.swaps =
-                attribution::attribute(common, (&self.a, self.b()), &self.logs, shown(&modes))?;
+                attribution::attribute(common, (&self.a, self.b()), &self.logs, how)?;
         }
         comparison.report = reports.iter().map(|path| path.display().to_string()).collect();
         if let (Some(folder), false) = (side_by_side, self.logs.is_empty() || modes.is_empty()) {
             let shown = shown(&modes);
             folder.write(&mut comparison, usize::from(self.ab), |log, output| {
                 let arms = [&self.a, self.b()];
-                arm::write_side_by_side(&self.logs[log], arms, shown, output)
+                arm::write_side_by_side(&self.logs[log], arms, (shown, &faults), output)
             })?;
         }
         for path in &reports {
@@ -221,11 +243,12 @@ impl Compare {
     }
 
     /// Both arms of every log.
-    fn pairs(&self, common: &Common, modes: &[Mode]) -> Vec<LogPair> {
+    fn pairs(&self, common: &Common, modes: &[Mode], faults: &Faults) -> Vec<LogPair> {
         let (a, b, modes) = (self.a.clone(), self.b().clone(), modes.to_vec());
+        let faults = faults.clone();
         let of_all = common.clone();
         let work = move |log: &PathBuf| {
-            let pair = arm::pair(log, (&a, &b), &modes)?;
+            let pair = arm::pair(log, (&a, &b), &modes, &faults)?;
             output::detail(&of_all, || format!("{}: compared", pair.log));
             Ok(pair)
         };
@@ -254,16 +277,18 @@ impl Compare {
             );
         };
         let sessions = if self.logs.is_empty() {
-            self_test::built_in(common, &self.a)?
+            self_test::built_in(common, &self.a, self.hang_after)?
         } else {
             self_test::of_logs(common, &self.logs)?
         };
         let ask = Ask {
-            controller: &self.a,
-            sessions: &sessions,
+            controller: self.a.clone(),
+            sessions,
             person: *person,
             gate,
             comparisons: usize::from(self.alarms),
+            faults: self.faults.faults()?,
+            hang_after: self.hang_after,
         };
         ask.answer(common)
     }

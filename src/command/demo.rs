@@ -16,6 +16,7 @@ use crate::command::compare::Compare;
 use crate::command::record::{Record, SensorsName};
 use crate::command::replay::{HumanName, ModeName};
 use crate::controller_choice::ControllerChoice;
+use crate::faults::FaultArgs;
 use crate::status::Status;
 use crate::{fleet, interrupt, logs, output};
 
@@ -111,6 +112,7 @@ impl Demo {
                 mode: ModeName::Closed,
                 human: HumanName::Playback,
                 hang_after: std::time::Duration::from_secs(30),
+                faults: FaultArgs::default(),
                 gate: None,
                 report: Some(folder.join(format!("report-{recorded_with}"))),
                 summary: None,

@@ -12,6 +12,7 @@ use replay::{Mode, Replay};
 use schemas::{Event, Plant, Pose, ReferenceSource, Scenario, Step, Value};
 
 use super::moment::Moment;
+use crate::arm::{caught, made};
 use crate::{interrupt, logs};
 
 /// What the controller saw.
@@ -53,8 +54,9 @@ pub fn trace(log: &Path, moment: &Moment) -> Traced {
 }
 
 fn again(log: &Path, moment: &Moment, spec: &Spec) -> Result<Trace> {
+    made(&moment.header, spec)?;
     let mut replay = Replay::new(|| logs::open_raw(log), spec, Mode::Open)?;
-    while let Some(event) = replay.next_event() {
+    while let Some(event) = caught(|| replay.next_event())? {
         interrupt::check()?;
         let Event::Step(step) = event.value else { continue };
         if step.stamp < moment.step.stamp {
@@ -63,8 +65,11 @@ fn again(log: &Path, moment: &Moment, spec: &Spec) -> Result<Trace> {
         if let Some(field) = first_difference(&step, &moment.step) {
             bail!("this build does not make the recorded step again: `{field}` differs");
         }
-        let look = replay.runner().look().context("the controller has not looked")?;
-        return Ok(Trace::new(&look, &step, spec, &moment.header.scenario));
+        let trace = caught(|| {
+            let look = replay.runner().look()?;
+            Some(Trace::new(&look, &step, spec, &moment.header.scenario))
+        })?;
+        return trace.context("the controller has not looked");
     }
     bail!("the replay ends before the step")
 }

@@ -11,6 +11,7 @@ mod sessions;
 
 use std::io::Cursor;
 use std::sync::Arc;
+use std::time::Duration;
 
 use ::compare::{
     Compared, Diff, Differ, FalseAlarms, GateFile, LevelPair, LogPair, Measured, Meter, Question,
@@ -18,12 +19,13 @@ use ::compare::{
 };
 use anyhow::{Context as _, Result, bail, ensure};
 use controller::{Law, Mutation, Spec};
-use replay::{Person, Replay};
+use replay::{Faults, Person, Replay};
 use schemas::{Event, Header, Stamped};
 
-use crate::arm::caught;
+use crate::arm::{caught, made};
 use crate::cli::Common;
 use crate::controller_choice::ControllerChoice;
+use crate::fleet::watch;
 use crate::{fleet, interrupt};
 
 use mutants::Mutant;
@@ -40,17 +42,21 @@ const FIRST_SEED: u64 = 1_000_003;
 const SEEDS_OF_A_SESSION: u64 = 100_000;
 
 /// What is asked.
-pub struct Ask<'a> {
+pub struct Ask {
     /// The controller.
-    pub controller: &'a ControllerChoice,
+    pub controller: ControllerChoice,
     /// The sessions.
-    pub sessions: &'a [Session],
+    pub sessions: Vec<Session>,
     /// How the recorded person is brought back.
     pub person: Person,
     /// The gate; one of our own where none is named.
     pub gate: Option<GateFile>,
     /// How many comparisons with other noise.
     pub comparisons: usize,
+    /// What every replay is put under.
+    pub faults: Faults,
+    /// After how long a controller that does not answer is given up.
+    pub hang_after: Duration,
 }
 
 /// What came of it, and the controller against itself.
@@ -73,33 +79,39 @@ struct Runs {
     noisy: Vec<LogPair>,
 }
 
-impl Ask<'_> {
+impl Ask {
     /// Runs everything.
-    pub fn answer(&self, common: &Common) -> Result<Answer> {
+    pub fn answer(self, common: &Common) -> Result<Answer> {
         ensure!(!self.sessions.is_empty(), "no session to test with");
-        let gate = match &self.gate {
+        let this = Arc::new(self);
+        let gate = match &this.gate {
             Some(gate) => gate.clone(),
             None => GateFile::from_toml(GATE)?,
         };
-        let first = self.spec(&self.sessions[0])?;
+        let first = this.spec(&this.sessions[0])?;
         if first.law == Law::Human {
             bail!("`human` shares nothing: name a controller whose mutants can be told from it");
         }
-        let sonars = self.sessions.iter().any(|s| s.recording.header().run.sensors != "exact");
+        let sonars = this.sessions.iter().any(|s| s.recording.header().run.sensors != "exact");
         let mutants = mutants::mutants(first.law, sonars);
-        let numbered: Vec<(u64, &Session)> = (0..).zip(self.sessions).collect();
-        let all = fleet::each(common, &numbered, "testing", |(number, session)| {
+        let numbered: Vec<(u64, Session)> = (0..).zip(this.sessions.iter().cloned()).collect();
+        let (ask, of_all) = (Arc::clone(&this), mutants.clone());
+        let work = move |(number, session): &(u64, Session)| {
             let first_seed = FIRST_SEED + number * SEEDS_OF_A_SESSION;
-            self.runs(session, &mutants, first_seed).with_context(|| session.name.clone())
-        });
-        let mut all = all.into_iter().collect::<Result<Vec<Runs>>>()?;
+            ask.runs(session, &of_all, first_seed)
+        };
+        let all = watch::each(common, numbered, "testing", this.hang_after, work);
+        let named = all.into_iter().zip(&this.sessions);
+        let mut all = named
+            .map(|(runs, session)| runs.with_context(|| session.name.clone()))
+            .collect::<Result<Vec<Runs>>>()?;
         interrupt::check()?;
 
         let differing = Unchanged {
             itself: differing(all.iter().map(|runs| &runs.itself)),
             renamed: differing(all.iter().map(|runs| &runs.renamed)),
         };
-        let question = self.question(gate);
+        let question = this.question(gate);
         let mut told = Vec::new();
         for (i, mutant) in mutants.iter().enumerate() {
             let pairs: Vec<LogPair> =
@@ -109,7 +121,7 @@ impl Ask<'_> {
                 told.push(::compare::Mutant::of(&mutant.name, mutant.nodes, &comparison));
             }
         }
-        let numbers: Vec<usize> = (0..self.comparisons).collect();
+        let numbers: Vec<usize> = (0..this.comparisons).collect();
         let noisy = fleet::each(common, &numbers, "comparing", |i| {
             let pairs = all.iter().map(|runs| runs.noisy[*i].clone()).collect();
             Ok(compare(&question, pairs)?)
@@ -119,11 +131,11 @@ impl Ask<'_> {
             let c = comparison?;
             false_alarms.add(&c);
         }
-        let test = SelfTest::new(self.sessions.len(), differing, told, false_alarms);
+        let test = SelfTest::new(this.sessions.len(), differing, told, false_alarms);
         Ok(Answer {
             test,
             itself: all.into_iter().map(|runs| runs.itself).collect(),
-            header: self.sessions[0].recording.header().clone(),
+            header: this.sessions[0].recording.header().clone(),
         })
     }
 
@@ -192,10 +204,12 @@ impl Ask<'_> {
         mut each: impl FnMut(&Stamped<Event>),
     ) -> Result<Measured> {
         let (recording, person) = (&session.recording, self.person);
-        let mut replay: Replay<Cursor<Vec<u8>>> = match mutation {
+        made(recording.header(), spec)?;
+        let replay: Replay<Cursor<Vec<u8>>> = match mutation {
             None => Replay::of_recording(recording, spec, person)?,
             Some(mutation) => Replay::of_mutant(recording, spec, person, mutation)?,
         };
+        let mut replay = replay.under(self.faults.clone());
         let mut meter = Meter::new(recording.header());
         while let Some(event) = caught(|| replay.next_event())? {
             interrupt::check()?;

@@ -3,6 +3,7 @@
 use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::time::Duration;
 
 use anyhow::{Context as _, Result};
 use controller::{Runner, Setup};
@@ -11,10 +12,12 @@ use schemas::log::{LogReader, LogWriter, WriterOptions};
 use schemas::{RunInfo, SIMULATION_EPOCH, SensorSuite, Span, Time};
 use simulator::{Simulation, SimulationSetup};
 
+use crate::arm::caught;
 use crate::cli::Common;
 use crate::command::record::{driver_name, scenario, suite_name};
 use crate::controller_choice::ControllerChoice;
-use crate::{fleet, logs};
+use crate::fleet::watch;
+use crate::{fleet, interrupt, logs};
 
 /// Rooms and people, and how many sessions of each.
 const KINDS: [&str; 6] =
@@ -22,6 +25,7 @@ const KINDS: [&str; 6] =
 const OF_EACH_KIND: u32 = 4;
 
 /// A session, with the person in it.
+#[derive(Clone)]
 pub struct Session {
     /// Its name in reports.
     pub name: String,
@@ -51,15 +55,19 @@ pub fn of_logs(common: &Common, paths: &[PathBuf]) -> Result<Vec<Session>> {
 
 /// Sessions of our own: random rooms with sixteen faulty sonars, recorded with the controller that is
 /// tested. Each has a seed of its own: with one for all they would share their noise.
-pub fn built_in(common: &Common, controller: &ControllerChoice) -> Result<Vec<Session>> {
+pub fn built_in(
+    common: &Common,
+    controller: &ControllerChoice,
+    hang_after: Duration,
+) -> Result<Vec<Session>> {
     let mut names = Vec::new();
     for kind in KINDS {
         names.extend((1..=OF_EACH_KIND).map(|number| format!("random:{kind}:{number}")));
     }
-    let numbered: Vec<(u64, &String)> = (1..).zip(&names).collect();
-    let recorded =
-        fleet::each(common, &numbered, "recording", |(seed, name)| record(name, *seed, controller));
-    recorded.into_iter().collect()
+    let numbered: Vec<(u64, String)> = (1..).zip(names).collect();
+    let controller = controller.clone();
+    let work = move |(seed, name): &(u64, String)| record(name, *seed, &controller);
+    watch::each(common, numbered, "recording", hang_after, work).into_iter().collect()
 }
 
 /// Records a session into memory.
@@ -68,7 +76,7 @@ fn record(name: &str, seed: u64, controller: &ControllerChoice) -> Result<Sessio
     let spec = controller.for_scenario(&scenario)?;
     let (sensors, start) = (SensorSuite::Sonar, SIMULATION_EPOCH);
     let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
-    let runner = Runner::new(&setup)?;
+    let runner = caught(|| Runner::new(&setup))??;
     let human = simulator::driver(&scenario, scenario.driver, seed)?;
     let period = runner.control_period();
     let simulation = Simulation::new(
@@ -94,7 +102,8 @@ fn record(name: &str, seed: u64, controller: &ControllerChoice) -> Result<Sessio
     let mut log = LogWriter::new(Vec::new(), &header, &options)?;
     let mut session = controller::Session::new(simulation, runner);
     loop {
-        let Ok(event) = session.next_event();
+        interrupt::check()?;
+        let Ok(event) = caught(|| session.next_event())?;
         let Some(event) = event else { break };
         log.write(&event)?;
     }

@@ -37,6 +37,8 @@ pub struct Question {
     pub provenance: Provenance,
     /// The gate, where there is one.
     pub gate: Option<GateFile>,
+    /// What both arms were put under: named faults between sensors and controller.
+    pub faults: Vec<String>,
 }
 
 /// Both arms of a log with one model of the person.
@@ -160,6 +162,7 @@ pub fn compare(question: &Question, logs: Vec<LogPair>) -> Result<Comparison, Co
         b: question.b.clone(),
         mode: question.mode.clone(),
         human: question.human.clone(),
+        faults: question.faults.clone(),
         provenance,
         gate: None,
         clustered_by: clustered_by.to_owned(),

@@ -388,6 +388,9 @@ pub struct Comparison {
     pub mode: String,
     /// How the recorded person was brought back; empty in open loop.
     pub human: Vec<String>,
+    /// Faults that were put between sensors and controller, the same for both.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub faults: Vec<String>,
     /// What made this, and with which parameters.
     pub provenance: Provenance,
     /// What the gate says; `None` without one.

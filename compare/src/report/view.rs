@@ -210,6 +210,9 @@ fn facts(comparison: &Comparison) -> Vec<(&'static str, String)> {
     if !comparison.human.is_empty() {
         facts.push(("human", comparison.human.join(", ")));
     }
+    if !comparison.faults.is_empty() {
+        facts.push(("both under", comparison.faults.join(", ")));
+    }
     facts.push((
         "logs",
         if failed > 0 { format!("{logs}, of which {failed} failed") } else { logs.to_string() },

@@ -8,10 +8,8 @@ use schemas::{Event, SensorSuite};
 fn replayed(faults: &[&str], mode: Mode, controller: &str) -> [Vec<Stamped<Event>>; 2] {
     let scenario = scenario("random:rect:joystick:7", 6.0);
     let log = record(&scenario, "human", SensorSuite::Sonar);
-    let faults = Faults {
-        faults: faults.iter().map(|fault| fault.parse().expect("a fault")).collect(),
-        seed: 3,
-    };
+    let faults = faults.iter().map(|fault| fault.parse().expect("a fault")).collect();
+    let faults = Faults::new(faults, 3).expect("each of them once");
     let mut replay = Replay::new(|| Ok(log.open()), &spec(controller, &scenario), mode)
         .expect("replays")
         .under(faults);
@@ -67,6 +65,29 @@ fn faults_alter_what_they_are_named_after() {
         }
         _ => false,
     });
+}
+
+/// A joystick may be stuck more than once, and says the same each time from beginning to end.
+#[test]
+fn a_joystick_may_be_stuck_more_than_once() {
+    let [_, after] = replayed(&["joystick-freeze=4-5", "joystick-freeze=1-2"], Mode::Open, "human");
+    for (from_s, to_s) in [(1.0, 2.0), (4.0, 5.0)] {
+        let mut said: Vec<String> = samples(&after)
+            .iter()
+            .filter_map(|sample| match sample {
+                Sample::Joystick(joystick) => Some(joystick),
+                _ => None,
+            })
+            .filter(|joystick| {
+                let t_s = joystick.stamp.seconds_since(schemas::SIMULATION_EPOCH);
+                (from_s..to_s).contains(&t_s)
+            })
+            .map(|joystick| format!("{} {}", joystick.v_mps, joystick.omega_radps))
+            .collect();
+        assert!(said.len() > 10);
+        said.dedup();
+        assert_eq!(said.len(), 1, "{from_s} s");
+    }
 }
 
 /// Half of the readings drop out, give or take five standard deviations of a binomial.
@@ -131,5 +152,42 @@ fn bad_faults_are_refused_with_what_there_is() {
     ] {
         let error = bad.parse::<Fault>().expect_err(bad).to_string();
         assert!(error.contains("sonar-dropout=SHARE"), "{error}");
+    }
+    for backwards in ["joystick-freeze=10-5", "joystick-freeze=5-5"] {
+        let error = backwards.parse::<Fault>().expect_err(backwards).to_string();
+        assert!(error.contains("ends before it begins"), "{error}");
+    }
+}
+
+/// What is asked for is what is said, and once is enough.
+#[test]
+fn faults_are_told_as_they_are_asked_for_and_named_once() {
+    let of = |names: &[&str]| {
+        let faults = names.iter().map(|name| name.parse().expect("a fault")).collect();
+        Faults::new(faults, 1)
+    };
+    let all = [
+        "sonar-dropout=0.5",
+        "cross-talk=0.1",
+        "sonar-bias=-0.2",
+        "sonar-dead=3",
+        "sonar-dead=4",
+        "gyro-bias=0.1",
+        "encoder-slip=0.1",
+        "latency=0.03",
+        "jitter=0.02",
+        "joystick-freeze=2-4",
+        "joystick-freeze=4-5.5",
+        "controller-hang=4",
+        "controller-panic=4",
+    ];
+    assert_eq!(of(&all).expect("each of them once").names(), all);
+    for twice in [
+        ["sonar-dead=3", "sonar-dead=3"],
+        ["latency=0.03", "latency=0.05"],
+        ["joystick-freeze=2-4", "joystick-freeze=3-5"],
+    ] {
+        let error = of(&twice).expect_err("twice").to_string();
+        assert!(error.contains(twice[1]) && error.contains("already"), "{error}");
     }
 }

@@ -16,15 +16,14 @@ use ::compare::{CATALOGUE, Meter};
 use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
 use ladder::Ladder;
-use replay::{
-    Fault, Faults, Gains, Mode, Outcome, Person, PlantEstimate, Reaction, Recording, Window,
-};
+use replay::{Gains, Mode, Outcome, Person, PlantEstimate, Reaction, Recording, Window};
 use result::{Plant, Run};
 use schemas::{Event, Explored, Header, RunInfo, Scenario, Span, Stamped, World};
 use serde::Serialize;
 
 use crate::cli::Common;
 use crate::controller_choice::ControllerChoice;
+use crate::faults::FaultArgs;
 use crate::fleet::watch;
 use crate::status::Status;
 use crate::{arm, command, interrupt, logs, output, side_by_side};
@@ -76,15 +75,8 @@ pub struct Replay {
     /// Closed loop: also measure how far the recording controller's own replay is from the recording
     #[arg(long)]
     pub floor: bool,
-    /// Put a fault between sensors and controller, the same for every controller; may be repeated.
-    /// sonar-dropout, cross-talk, encoder-slip take a share, sonar-bias metres, sonar-dead an id,
-    /// gyro-bias rad/s, latency and jitter seconds, joystick-freeze FROM-TO in seconds;
-    /// controller-hang and controller-panic rehearse a controller that fails after so many seconds
-    #[arg(long = "fault", value_name = "NAME=VALUE")]
-    pub faults: Vec<Fault>,
-    /// Seed of what is random about the faults
-    #[arg(long, default_value_t = 0, value_name = "N")]
-    pub fault_seed: u64,
+    #[command(flatten)]
+    pub faults: FaultArgs,
     /// Write recording and replay side by side, as /A/* and /B/*, with a layout for viewers: a file for
     /// one log, a folder for several
     #[arg(long, short, value_name = "FILE|DIR")]
@@ -221,6 +213,7 @@ impl Replay {
         if mode == ModeName::Open && self.world.is_some() {
             bail!("in open loop the recorded sensors are heard: --world goes with --mode closed");
         }
+        self.faults.faults()?;
         self.guard_outputs(common, several)?;
         let (this, of_all, all_modes) = (self.clone(), common.clone(), modes.clone());
         let work = move |log: &PathBuf| this.replay_log(&of_all, log, &all_modes, several);
@@ -323,13 +316,14 @@ impl Replay {
         for mode in modes {
             let began = Instant::now();
             let open = || logs::open_raw(log).with_context(name);
+            arm::made(&replayed, &spec).with_context(name)?;
             let replay = match (mode, &recording) {
                 (Mode::Closed(person), Some(recording)) => {
                     replay::Replay::beside(open()?, recording, &spec, *person)
                 }
                 _ => replay::Replay::new(|| logs::open_raw(log), &spec, *mode),
             };
-            let faults = Faults { faults: self.faults.clone(), seed: self.fault_seed };
+            let faults = self.faults.faults()?;
             let replay = replay.with_context(name)?.within(window, open()?).under(faults);
             let mut run = self.replay_one(
                 common,
