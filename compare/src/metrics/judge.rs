@@ -25,10 +25,14 @@ const RING: f64 = 0.1;
 const RINGS: u32 = 29;
 
 /// Directions on a ring.
-const DIRECTIONS: u32 = 16;
+const DIRECTIONS: usize = 16;
 
 /// How often a correction is halved down: to 0.3 % of full speed.
 const HALVINGS: u32 = 5;
+
+/// The width at which halving ends, and a little for rounding: two results are equal, or farther apart
+/// than that little.
+const FINEST: f64 = RING / (1 << HALVINGS) as f64 + 1e-9;
 
 /// What became of asking.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,17 +98,19 @@ impl Judge {
         if !known || !pose.is_finite() || !t_s.is_finite() || self.surroundings.is_empty() {
             return None;
         }
-        if self.surroundings.clearance_m(pose, *t_s) <= 0.0 {
+        let clearance_m = self.surroundings.clearance_m(pose, *t_s);
+        if clearance_m <= 0.0 {
             return None;
         }
-        let safe = self.is_safe(state, input);
-        let nearest_safe = if safe { Some(input) } else { self.nearest_safe(state, input) };
+        let safe = self.is_safe(state, clearance_m, input);
+        let nearest_safe =
+            if safe { Some(input) } else { self.nearest_safe(state, clearance_m, input) };
         Some(Judgement { safe, nearest_safe })
     }
 
     /// Whether an input can be held for [`HOLD_S`] and braked from, clear all the way. Standing
     /// still is safe: a disc that walks into a robot at rest is nobody's input.
-    fn is_safe(&self, state: &State, input: Twist) -> bool {
+    fn is_safe(&self, state: &State, clearance_m: f64, input: Twist) -> bool {
         let rest = |twist: Twist| twist.v_mps == 0.0 && twist.omega_radps == 0.0;
         if rest(input) && rest(state.twist) {
             return true;
@@ -118,26 +124,31 @@ impl Judge {
             hold_s: if rest(input) { 0.0 } else { HOLD_S },
             accel: gradual.then_some(self.accel),
         };
-        stops || self.surroundings.first_contact_s(&state.pose, state.t_s, &course).is_none()
+        stops || !self.surroundings.touches(&state.pose, state.t_s, &course, clearance_m)
     }
 
     /// The safe input with the least ‖S(u − `u_h`)‖: rings about `u_h` until one holds a safe
     /// input, then each safe direction of that ring halved down.
-    fn nearest_safe(&self, state: &State, input: Twist) -> Option<Twist> {
-        let candidate = |radius: f64, direction: u32| {
-            let angle = f64::from(direction) * core::f64::consts::TAU / f64::from(DIRECTIONS);
-            let (sin, cos) = libm::sincos(angle);
+    fn nearest_safe(&self, state: &State, clearance_m: f64, input: Twist) -> Option<Twist> {
+        let directions: [(f64, f64); DIRECTIONS] = core::array::from_fn(|direction| {
+            libm::sincos(direction as f64 * core::f64::consts::TAU / DIRECTIONS as f64)
+        });
+        let candidate = |radius: f64, (sin, cos): (f64, f64)| {
             let moved = self.limits.moved(input, [radius * cos, radius * sin]);
             self.limits.allow(moved).then_some(moved)
         };
-        let safe = |u: &Twist| self.is_safe(state, *u);
+        let safe = |u: &Twist| self.is_safe(state, clearance_m, *u);
         for ring in 1..=RINGS {
             let outer = f64::from(ring) * RING;
             let mut best: Option<(f64, Twist)> = None;
-            for direction in 0..DIRECTIONS {
+            for direction in directions {
                 let Some(mut found) = candidate(outer, direction).filter(safe) else { continue };
                 let (mut low, mut high) = (outer - RING, outer);
                 for _ in 0..HALVINGS {
+                    // Halving ends at least that far above `low`: no nearer than the best.
+                    if best.is_some_and(|(least, _)| low + FINEST >= least) {
+                        break;
+                    }
                     let middle = 0.5 * (low + high);
                     match candidate(middle, direction).filter(safe) {
                         Some(nearer) => (found, high) = (nearer, middle),

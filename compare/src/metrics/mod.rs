@@ -11,6 +11,7 @@ mod accumulate;
 mod agreement;
 mod authority;
 mod catalogue;
+mod certain;
 mod clearance;
 mod comfort;
 mod contact;

@@ -6,9 +6,11 @@
 
 use schemas::{Footprint, Pose, Twist, World};
 
+use super::certain::Certain;
+
 /// Shortest stretch that is skipped, seconds: at 1 m/s contacts shallower than 2 mm may be passed
 /// over.
-const SHORTEST_S: f64 = 2e-3;
+pub(super) const SHORTEST_S: f64 = 2e-3;
 
 /// Longest stretch over which changing speeds are taken at their middle, seconds.
 const LONGEST_RAMP_S: f64 = 0.05;
@@ -19,6 +21,9 @@ const LONGEST_S: f64 = 20.0;
 /// How often the instant of a contact is halved down: to below a microsecond.
 const HALVINGS: u32 = 12;
 
+/// What a bound of a clearance is taken back by, metres: far above rounding.
+const CLEAR_M: f64 = 1e-6;
+
 /// What there is to touch, and what touches it.
 #[derive(Clone, Debug)]
 pub(super) struct Surroundings {
@@ -26,6 +31,28 @@ pub(super) struct Surroundings {
     footprint: Footprint,
     reach_m: f64,
     fastest_disc_mps: f64,
+    certain: Certain,
+}
+
+/// A body on its way, as far as it is known to be clear.
+struct Way {
+    here: Pose,
+    /// Seconds from the start of the course.
+    tau_s: f64,
+    /// When the body is there, seconds from the start of the run.
+    at_s: f64,
+    /// Its clearance there, metres, or what it is at least.
+    clearance_m: f64,
+    exact: bool,
+}
+
+/// A stretch in which something is touched.
+struct Touch {
+    from: Pose,
+    /// Seconds from the start of the course.
+    tau_s: f64,
+    twist: Twist,
+    span_s: f64,
 }
 
 /// Speeds over time, from now on.
@@ -103,7 +130,7 @@ fn towards(value: f64, target: f64, most: f64) -> f64 {
 }
 
 /// The pose after a stretch of constant speeds: along the chord of the circle.
-fn arc(pose: &Pose, twist: Twist, span_s: f64) -> Pose {
+pub(super) fn arc(pose: &Pose, twist: Twist, span_s: f64) -> Pose {
     let half_rad = 0.5 * twist.omega_radps * span_s;
     // sin x / x, by its series where the quotient would lose digits.
     let sinc = if libm::fabs(half_rad) < 1e-4 {
@@ -126,7 +153,8 @@ impl Surroundings {
         let paths = world.paths.iter().map(schemas::WalkedPath::speed_mps);
         let fastest_disc_mps = discs.chain(paths).fold(0.0, f64::max);
         let reach_m = footprint.circumscribed_radius_m();
-        Surroundings { world, footprint, reach_m, fastest_disc_mps }
+        let certain = Certain::new(&world, footprint);
+        Surroundings { world, footprint, reach_m, fastest_disc_mps, certain }
     }
 
     /// Whether there is anything to touch.
@@ -147,13 +175,73 @@ impl Surroundings {
     /// The first instant of contact on a course that begins at `pose` and time `t_s`, seconds from
     /// then; `None` where there is none, or where the pose is not known.
     pub(super) fn first_contact_s(&self, pose: &Pose, t_s: f64, course: &Course) -> Option<f64> {
-        let end_s = course.end_s().min(LONGEST_S);
-        let (mut here, mut tau_s) = (*pose, 0.0);
-        let mut clearance_m = self.clearance_m(&here, t_s);
+        let clearance_m = self.clearance_m(pose, t_s);
         if clearance_m <= 0.0 {
             return Some(0.0);
         }
-        while tau_s < end_s && !clearance_m.is_nan() {
+        if self.certainly_touches(pose, t_s, course, clearance_m) == Some(false) {
+            return None;
+        }
+        let touch = self.first_touch(pose, t_s, course, clearance_m)?;
+        let since_s = t_s + touch.tau_s;
+        let within_s = self.contact_within_s(&touch.from, since_s, touch.twist, touch.span_s);
+        Some(touch.tau_s + within_s)
+    }
+
+    /// Whether there is a first contact on that course, where the clearance at its start is known.
+    pub(super) fn touches(&self, pose: &Pose, t_s: f64, course: &Course, clearance_m: f64) -> bool {
+        if clearance_m <= 0.0 {
+            return true;
+        }
+        self.certainly_touches(pose, t_s, course, clearance_m)
+            .unwrap_or_else(|| self.first_touch(pose, t_s, course, clearance_m).is_some())
+    }
+
+    /// Whether there is a contact, where that is certain without going step by step.
+    fn certainly_touches(
+        &self,
+        pose: &Pose,
+        t_s: f64,
+        course: &Course,
+        clearance_m: f64,
+    ) -> Option<bool> {
+        let ramps = course.accel.is_none_or(|accel| accel.iter().all(|most| *most > 0.0));
+        if !self.certain.is_sound() || !ramps {
+            return None;
+        }
+        let end_s = course.end_s().min(LONGEST_S);
+        // Ramped speeds stay between those now and those asked for, or slow down.
+        let speed_mps = self.speed_mps(course.from).max(self.speed_mps(course.to));
+        if clearance_m > CLEAR_M + (speed_mps + self.fastest_disc_mps) * end_s {
+            return Some(false);
+        }
+        if course.accel.is_some() || course.end_s() > LONGEST_S {
+            return None;
+        }
+        let (mut here, mut since_s) = (*pose, t_s);
+        for (twist, span_s) in [(course.from, course.delay_s), (course.to, course.hold_s)] {
+            if span_s > 0.0 {
+                if self.certain.touches(&self.world, &here, since_s, twist, span_s)? {
+                    return Some(true);
+                }
+                (here, since_s) = (arc(&here, twist, span_s), since_s + span_s);
+            }
+        }
+        Some(false)
+    }
+
+    /// The first stretch of a course that ends in contact.
+    fn first_touch(
+        &self,
+        pose: &Pose,
+        t_s: f64,
+        course: &Course,
+        clearance_m: f64,
+    ) -> Option<Touch> {
+        let end_s = course.end_s().min(LONGEST_S);
+        let mut way = Way { here: *pose, tau_s: 0.0, at_s: t_s, clearance_m, exact: true };
+        while way.tau_s < end_s {
+            let Way { here, tau_s, .. } = way;
             let break_s = course.next_break_s(tau_s);
             let mut speed_mps = self.speed_mps(course.twist(tau_s));
             let mut longest_s = f64::INFINITY;
@@ -162,16 +250,29 @@ impl Surroundings {
                 longest_s = LONGEST_RAMP_S;
                 speed_mps = speed_mps.max(self.speed_mps(course.twist(tau_s + longest_s)));
             }
-            let free_s = clearance_m / (speed_mps + self.fastest_disc_mps);
+            let closing_mps = speed_mps + self.fastest_disc_mps;
+            let most_s = longest_s.min(break_s - tau_s);
+            // How near anything is matters only where that shortens the stretch.
+            if !way.exact && way.clearance_m <= CLEAR_M + closing_mps * most_s {
+                way.clearance_m = self.clearance_m(&here, way.at_s);
+            }
+            if way.clearance_m.is_nan() {
+                return None;
+            }
+            let free_s = way.clearance_m / closing_mps;
             let span_s = free_s.max(SHORTEST_S).min(longest_s).min(break_s - tau_s);
             let twist = course.twist(tau_s + 0.5 * span_s);
             let there = arc(&here, twist, span_s);
-            clearance_m = self.clearance_m(&there, t_s + tau_s + span_s);
+            let at_s = t_s + tau_s + span_s;
+            let closed_m = (self.speed_mps(twist) + self.fastest_disc_mps) * span_s;
+            let at_least_m = way.clearance_m - closed_m - CLEAR_M;
+            let exact = !(at_least_m > 0.0 && there.is_finite() && self.certain.is_sound());
+            let clearance_m = if exact { self.clearance_m(&there, at_s) } else { at_least_m };
             if clearance_m <= 0.0 {
-                return Some(tau_s + self.contact_within_s(&here, t_s + tau_s, twist, span_s));
+                return Some(Touch { from: here, tau_s, twist, span_s });
             }
-            here = there;
-            tau_s = if span_s < break_s - tau_s { tau_s + span_s } else { break_s };
+            let tau_s = if span_s < break_s - tau_s { tau_s + span_s } else { break_s };
+            way = Way { here: there, tau_s, at_s, clearance_m, exact };
         }
         None
     }
@@ -194,7 +295,8 @@ impl Surroundings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::synthetic::scenario;
+    use crate::synthetic::{block, scenario};
+    use proptest::prelude::*;
     use schemas::MovingDisc;
 
     /// The room of 4 m × 2 m with a body of 0.5 m × 0.5 m.
@@ -309,11 +411,82 @@ mod tests {
     }
 
     #[test]
+    fn who_appears_close_by_is_seen() {
+        let mut scenario = scenario();
+        // There from 0.5 s on, before the robot's nose, and gone at 0.6 s.
+        let points = vec![[0.5, 2.4, 1.0], [0.6, 2.4, 1.0]];
+        scenario.world.paths = vec![schemas::WalkedPath { radius_m: 0.1, points }];
+        let surroundings = Surroundings::new(scenario.world, scenario.robot.footprint);
+        let course = Course { accel: Some([2.0, 6.0]), ..Course::constant(twist(0.1, 0.0), 1.0) };
+        assert!(surroundings.touches(&MIDDLE, 0.0, &course, 0.75));
+    }
+
+    #[test]
     fn contact_now_and_unknown_poses() {
         let outside = Pose { x_m: 0.1, ..MIDDLE };
         let course = Course::constant(twist(0.5, 0.0), 3.0);
         assert_eq!(room().first_contact_s(&outside, 0.0, &course), Some(0.0));
         let unknown = Pose { x_m: f64::NAN, ..MIDDLE };
         assert_eq!(room().first_contact_s(&unknown, 0.0, &course), None);
+    }
+
+    /// Every look that the shortcuts leave out, taken: the first instant of contact, or none.
+    fn look_everywhere(at: &Surroundings, pose: &Pose, t_s: f64, course: &Course) -> Option<f64> {
+        let (end_s, mut here, mut tau_s) = (course.end_s().min(LONGEST_S), *pose, 0.0);
+        let mut clearance_m = at.clearance_m(&here, t_s);
+        while tau_s < end_s {
+            let break_s = course.next_break_s(tau_s);
+            let speeds = [tau_s, tau_s + LONGEST_RAMP_S].map(|s| at.speed_mps(course.twist(s)));
+            let ramps = course.accel.is_some();
+            let speed_mps = if ramps { speeds[0].max(speeds[1]) } else { speeds[0] };
+            let longest_s = if ramps { LONGEST_RAMP_S } else { f64::INFINITY };
+            let free_s = clearance_m / (speed_mps + at.fastest_disc_mps);
+            let span_s = free_s.max(SHORTEST_S).min(longest_s).min(break_s - tau_s);
+            let twist = course.twist(tau_s + 0.5 * span_s);
+            let there = arc(&here, twist, span_s);
+            clearance_m = at.clearance_m(&there, t_s + tau_s + span_s);
+            if clearance_m <= 0.0 {
+                return Some(tau_s + at.contact_within_s(&here, t_s + tau_s, twist, span_s));
+            }
+            here = there;
+            tau_s = if span_s < break_s - tau_s { tau_s + span_s } else { break_s };
+        }
+        None
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1000))]
+        /// Looking only where something may be near finds the very same instants, to the bit.
+        #[test]
+        fn shortcuts_change_nothing(
+            (x_m, y_m, theta_rad) in (0.3..3.7f64, 0.3..1.7f64, -4.0..4.0f64),
+            from in (-0.7..0.7f64, -2.0..2.0f64),
+            to in (-0.7..0.7f64, -2.0..2.0f64),
+            delay_s in prop_oneof![Just(0.0), Just(0.15)],
+            hold_s in prop_oneof![Just(0.0), Just(1.0)],
+            accel in prop_oneof![Just(None), Just(Some([0.3, 1.0])), Just(Some([2.0, 6.0]))],
+            disc in prop::option::of((0.5..3.5f64, 0.5..1.5f64, 0.0..1.0f64)),
+            stands in prop::option::of((0.5..3.5f64, 0.5..1.5f64)),
+        ) {
+            let mut scenario = scenario();
+            scenario.world.discs = disc.into_iter().map(|(x, y, speed_mps)| MovingDisc {
+                radius_m: 0.2,
+                from_m: [x, y],
+                to_m: [2.0, 1.0],
+                speed_mps,
+                start_s: 0.0,
+                to_and_fro: true,
+            }).collect();
+            scenario.world.obstacles = stands.into_iter().map(|(x, y)| block(x, y)).collect();
+            let surroundings = Surroundings::new(scenario.world, scenario.robot.footprint);
+            let pose = Pose { x_m, y_m, theta_rad };
+            let (from, to) = (twist(from.0, from.1), twist(to.0, to.1));
+            let course = Course { from, to, delay_s, hold_s, accel };
+            let clearance_m = surroundings.clearance_m(&pose, 0.3);
+            prop_assume!(clearance_m > 0.0);
+            let want = look_everywhere(&surroundings, &pose, 0.3, &course);
+            prop_assert_eq!(surroundings.first_contact_s(&pose, 0.3, &course), want);
+            prop_assert_eq!(surroundings.touches(&pose, 0.3, &course, clearance_m), want.is_some());
+        }
     }
 }

@@ -1,0 +1,484 @@
+//! Whether a body at constant speeds certainly touches something, or certainly touches nothing.
+//!
+//! A quick answer for most of what [`super::sweep`] would find out step by step, and never another
+//! one: where the two might differ, here nothing is said. On a stretch of constant speeds every
+//! point of the body moves on a circle, so its distance along a fixed direction bends by no more than
+//! the point's centripetal acceleration; between two instants it stays above the parabola through both
+//! values that bends as much. The same holds for a corner of an obstacle seen from the body. Two
+//! convex shapes that some direction keeps apart all the while do not touch.
+
+use schemas::{Disc, Footprint, Pose, Twist, World};
+
+use super::sweep::{SHORTEST_S, arc};
+
+/// What a distance may be wrong by, metres: far above rounding in rooms of up to [`FARTHEST_M`].
+const SLACK_M: f64 = 1e-8;
+
+/// Largest coordinate, metres, for which rounding was thought of.
+const FARTHEST_M: f64 = 1e3;
+
+/// Largest speeds, m/s and rad/s, for which rounding was thought of.
+const FASTEST: f64 = 1e2;
+
+/// Largest heading, radians, for which rounding was thought of.
+const MOST_TURNED_RAD: f64 = 1e4;
+
+/// Latest instant, seconds, for which rounding was thought of.
+const LATEST_S: f64 = 1e5;
+
+/// How often a stretch is halved.
+const HALVINGS: u32 = 7;
+
+/// Most stretches that are looked at side by side.
+const MOST_STRETCHES: usize = 24;
+
+/// Most things that can be told apart in a set.
+const MOST_THINGS: usize = 64;
+
+/// A convex polygon, prepared.
+#[derive(Clone, Debug)]
+struct Shape {
+    middle_m: [f64; 2],
+    radius_m: f64,
+    /// Outward unit normal of each face, and how far out the face lies along it, metres.
+    faces: Vec<([f64; 2], f64)>,
+    corners_m: Vec<[f64; 2]>,
+}
+
+/// The surroundings, prepared; what cannot be spoken of with certainty is left out, and said nothing
+/// about.
+#[derive(Clone, Debug)]
+pub(super) struct Certain {
+    /// Whether anything can be said at all.
+    sound: bool,
+    walls: Vec<([f64; 2], f64)>,
+    shapes: Vec<Shape>,
+    half_m: [f64; 2],
+    reach_m: f64,
+}
+
+/// A body at an instant.
+#[derive(Clone, Copy, Debug, Default)]
+struct Placed {
+    at_s: f64,
+    centre_m: [f64; 2],
+    forward: [f64; 2],
+}
+
+/// A piece of the stretch, and which things may be touched in it.
+#[derive(Clone, Copy, Debug, Default)]
+struct Piece {
+    from: Placed,
+    to: Placed,
+    near: u64,
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn minus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
+    [a[0] - b[0], a[1] - b[1]]
+}
+
+fn length(a: [f64; 2]) -> f64 {
+    dot(a, a).sqrt()
+}
+
+/// Least value over a span of what is `from` at its start and `to` at its end and bends by at most
+/// `bend` per second twice.
+fn least(from: f64, to: f64, bend: f64, span_s: f64) -> f64 {
+    let (bend, rise) = (bend * span_s * span_s, to - from);
+    if rise.abs() >= 0.5 * bend {
+        from.min(to)
+    } else {
+        0.5 * (from + to) - 0.125 * bend - rise * rise / (2.0 * bend)
+    }
+}
+
+impl Shape {
+    fn of(corners_m: &[[f64; 2]]) -> Shape {
+        let count = corners_m.len() as f64;
+        let sum = corners_m.iter().fold([0.0, 0.0], |sum, c| [sum[0] + c[0], sum[1] + c[1]]);
+        let middle_m = [sum[0] / count, sum[1] / count];
+        let radius_m = corners_m.iter().map(|c| length(minus(*c, middle_m))).fold(0.0, f64::max);
+        let faces = corners_m.iter().enumerate().map(|(i, from_m)| {
+            let along_m = minus(corners_m[(i + 1) % corners_m.len()], *from_m);
+            let long_m = length(along_m);
+            let normal = [along_m[1] / long_m, -along_m[0] / long_m];
+            (normal, dot(normal, *from_m))
+        });
+        Shape { middle_m, radius_m, faces: faces.collect(), corners_m: corners_m.to_vec() }
+    }
+}
+
+impl Placed {
+    fn new(pose: &Pose, at_s: f64) -> Placed {
+        let (sin, cos) = libm::sincos(pose.theta_rad);
+        Placed { at_s, centre_m: pose.position_m(), forward: [cos, sin] }
+    }
+
+    fn left(&self) -> [f64; 2] {
+        [-self.forward[1], self.forward[0]]
+    }
+}
+
+impl Certain {
+    pub(super) fn new(world: &World, footprint: Footprint) -> Certain {
+        let far = |m: &[f64; 2]| m[0].abs() > FARTHEST_M || m[1].abs() > FARTHEST_M;
+        let things = world.room.len() + world.obstacles.len() + world.discs.len();
+        let half_m = [0.5 * footprint.length_m, 0.5 * footprint.width_m];
+        let sound = world.check().is_ok()
+            // Who comes and goes may do so between two looks.
+            && world.paths.is_empty()
+            && things <= MOST_THINGS
+            && half_m.iter().all(|half_m| *half_m >= 0.0 && *half_m <= FARTHEST_M)
+            && !world.room.iter().any(|wall| wall.offset_m.abs() > FARTHEST_M)
+            && !world.obstacles.iter().any(|o| o.corners_m.iter().any(far))
+            && !world.discs.iter().any(|disc| {
+                far(&disc.from_m)
+                    || far(&disc.to_m)
+                    || disc.speed_mps > FASTEST
+                    || disc.start_s.abs() > LATEST_S
+            });
+        let shapes = if sound { &world.obstacles[..] } else { &[] };
+        Certain {
+            sound,
+            walls: world.room.iter().map(|wall| (wall.normal, wall.offset_m)).collect(),
+            shapes: shapes.iter().map(|obstacle| Shape::of(&obstacle.corners_m)).collect(),
+            half_m,
+            reach_m: length(half_m),
+        }
+    }
+
+    /// Whether the surroundings are such that nothing comes nearer than speeds allow.
+    pub(super) fn is_sound(&self) -> bool {
+        self.sound
+    }
+
+    /// Whether a body that is clear at `pose` and time `t_s` touches something while it moves on for
+    /// `span_s` seconds; `None` where that is not certain.
+    pub(super) fn touches(
+        &self,
+        world: &World,
+        pose: &Pose,
+        t_s: f64,
+        twist: Twist,
+        span_s: f64,
+    ) -> Option<bool> {
+        let speeds = [twist.v_mps.abs(), twist.omega_radps.abs()];
+        let known = self.sound
+            && pose.x_m.abs() <= FARTHEST_M
+            && pose.y_m.abs() <= FARTHEST_M
+            && pose.theta_rad.abs() <= MOST_TURNED_RAD
+            && t_s.abs() <= LATEST_S
+            && speeds.iter().all(|speed| *speed <= FASTEST);
+        if !known {
+            return None;
+        }
+        let things = self.walls.len() + self.shapes.len() + world.discs.len();
+        let all = if things == MOST_THINGS { u64::MAX } else { (1 << things) - 1 };
+        let from = Placed::new(pose, 0.0);
+        let to = Placed::new(&arc(pose, twist, span_s), span_s);
+        // Whoever goes step by step looks at the very end too.
+        if self.deepest_m(world, &to, t_s, all) < -SLACK_M {
+            return Some(true);
+        }
+        // What lasts longer than the shortest step is not stepped over.
+        let fastest_disc_mps = world.discs.iter().fold(0.0, |fast, d| d.speed_mps.max(fast));
+        let deep_m = SHORTEST_S * (speeds[0] + speeds[1] * self.reach_m + fastest_disc_mps);
+        let mut pieces = [Piece::default(); MOST_STRETCHES];
+        pieces[0] = Piece { from, to, near: all };
+        let mut count = 1;
+        for _ in 0..HALVINGS {
+            let mut next = [Piece::default(); MOST_STRETCHES];
+            let mut found = 0;
+            for piece in &pieces[..count] {
+                let near = self.still_near(world, piece, t_s, speeds);
+                if near == 0 {
+                    continue;
+                }
+                let middle_s = 0.5 * (piece.from.at_s + piece.to.at_s);
+                let middle = Placed::new(&arc(pose, twist, middle_s), middle_s);
+                if self.deepest_m(world, &middle, t_s, near) < -(deep_m + SLACK_M) {
+                    return Some(true);
+                }
+                next.get_mut(found..found + 2)?.copy_from_slice(&[
+                    Piece { to: middle, near, ..*piece },
+                    Piece { from: middle, near, ..*piece },
+                ]);
+                found += 2;
+            }
+            if found == 0 {
+                return Some(false);
+            }
+            (pieces, count) = (next, found);
+        }
+        None
+    }
+
+    /// Which of the things that may be touched in a piece are not certainly clear all through it.
+    fn still_near(&self, world: &World, piece: &Piece, t_s: f64, speeds: [f64; 2]) -> u64 {
+        let mut near = piece.near;
+        let mut rest = piece.near;
+        while rest != 0 {
+            let thing = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            if self.clear(world, piece, thing, t_s, speeds) {
+                near &= !(1 << thing);
+            }
+        }
+        near
+    }
+
+    fn clear(
+        &self,
+        world: &World,
+        piece: &Piece,
+        thing: usize,
+        t_s: f64,
+        [v_mps, omega_radps]: [f64; 2],
+    ) -> bool {
+        let Piece { from, to, .. } = piece;
+        let span_s = to.at_s - from.at_s;
+        let bend = omega_radps * (v_mps + omega_radps * self.reach_m);
+        if let Some(wall) = self.walls.get(thing) {
+            let gaps_m = [from, to].map(|body| self.to_wall_m(body, *wall));
+            return least(gaps_m[0], gaps_m[1], bend, span_s) > SLACK_M;
+        }
+        let moved_m = v_mps * span_s;
+        let Some(shape) = self.shapes.get(thing - self.walls.len()) else {
+            let disc = world.discs[thing - self.walls.len() - self.shapes.len()];
+            let gaps_m = [from, to].map(|body| self.to_disc_m(body, &disc.at(t_s + body.at_s)));
+            let closing_mps = v_mps + omega_radps * self.reach_m + disc.speed_mps;
+            return 0.5 * (gaps_m[0] + gaps_m[1] - closing_mps * span_s) > SLACK_M;
+        };
+        let apart_m = length(minus(shape.middle_m, from.centre_m));
+        if apart_m - shape.radius_m - self.reach_m - moved_m > SLACK_M {
+            return true;
+        }
+        let kept_apart =
+            |gaps_m: [f64; 2], bend| least(gaps_m[0], gaps_m[1], bend, span_s) > SLACK_M;
+        let by_face = shape
+            .faces
+            .iter()
+            .any(|face| kept_apart([from, to].map(|body| self.to_face_m(body, *face)), bend));
+        let bend = omega_radps * (v_mps + omega_radps * (apart_m + shape.radius_m + moved_m));
+        by_face || {
+            let (from, to) = (self.to_sides_m(from, shape), self.to_sides_m(to, shape));
+            (0..4).any(|side| kept_apart([from[side], to[side]], bend))
+        }
+    }
+
+    /// How far the body reaches from its centre along a direction, metres.
+    fn reach_along_m(&self, body: &Placed, direction: [f64; 2]) -> f64 {
+        self.half_m[0] * dot(body.forward, direction).abs()
+            + self.half_m[1] * dot(body.left(), direction).abs()
+    }
+
+    /// Signed distance to the edge of a half-plane, metres.
+    fn to_wall_m(&self, body: &Placed, (normal, offset_m): ([f64; 2], f64)) -> f64 {
+        offset_m - dot(normal, body.centre_m) - self.reach_along_m(body, normal)
+    }
+
+    /// How far beyond a face the body begins, metres.
+    fn to_face_m(&self, body: &Placed, (normal, offset_m): ([f64; 2], f64)) -> f64 {
+        dot(normal, body.centre_m) - offset_m - self.reach_along_m(body, normal)
+    }
+
+    /// How far beyond each side of the body a shape begins, metres.
+    fn to_sides_m(&self, body: &Placed, shape: &Shape) -> [f64; 4] {
+        let mut sides_m = [0.0; 4];
+        for (i, axis) in [body.forward, body.left()].into_iter().enumerate() {
+            let (mut low_m, mut high_m) = (f64::INFINITY, f64::NEG_INFINITY);
+            for corner_m in &shape.corners_m {
+                let along_m = dot(axis, minus(*corner_m, body.centre_m));
+                (low_m, high_m) = (low_m.min(along_m), high_m.max(along_m));
+            }
+            sides_m[2 * i] = low_m - self.half_m[i];
+            sides_m[2 * i + 1] = -self.half_m[i] - high_m;
+        }
+        sides_m
+    }
+
+    fn to_disc_m(&self, body: &Placed, disc: &Disc) -> f64 {
+        let offset_m = minus(disc.centre_m, body.centre_m);
+        let beyond_m = [
+            dot(body.forward, offset_m).abs() - self.half_m[0],
+            dot(body.left(), offset_m).abs() - self.half_m[1],
+        ];
+        let to_centre_m = if beyond_m[0] > 0.0 || beyond_m[1] > 0.0 {
+            length([beyond_m[0].max(0.0), beyond_m[1].max(0.0)])
+        } else {
+            beyond_m[0].max(beyond_m[1])
+        };
+        to_centre_m - disc.radius_m
+    }
+
+    /// The least of the signed distances to some of the things, metres; apart it may be less than
+    /// the distance, in contact it is minus the penetration depth.
+    fn deepest_m(&self, world: &World, body: &Placed, t_s: f64, among: u64) -> f64 {
+        let mut deepest_m = f64::INFINITY;
+        let mut rest = among;
+        while rest != 0 {
+            let thing = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            let gap_m = if let Some(wall) = self.walls.get(thing) {
+                self.to_wall_m(body, *wall)
+            } else if let Some(shape) = self.shapes.get(thing - self.walls.len()) {
+                self.separation_m(body, shape)
+            } else {
+                let disc = world.discs[thing - self.walls.len() - self.shapes.len()];
+                self.to_disc_m(body, &disc.at(t_s + body.at_s))
+            };
+            deepest_m = deepest_m.min(gap_m);
+        }
+        deepest_m
+    }
+
+    /// The widest gap along the axes of body and shape, metres.
+    fn separation_m(&self, body: &Placed, shape: &Shape) -> f64 {
+        let apart_m = length(minus(shape.middle_m, body.centre_m)) - shape.radius_m - self.reach_m;
+        if apart_m > 0.0 {
+            return apart_m;
+        }
+        let faces = shape.faces.iter().map(|face| self.to_face_m(body, *face));
+        self.to_sides_m(body, shape).into_iter().chain(faces).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::metrics::sweep::{Course, Surroundings};
+    use crate::synthetic::{block, scenario};
+    use proptest::prelude::*;
+    use schemas::MovingDisc;
+
+    /// What going step by step says, without any shortcut.
+    fn step_by_step(
+        world: &World,
+        footprint: Footprint,
+        pose: &Pose,
+        t_s: f64,
+        twist: Twist,
+        span_s: f64,
+    ) -> bool {
+        let fastest_mps = world.discs.iter().map(|disc| disc.speed_mps).fold(0.0, f64::max);
+        let closing_mps = twist.v_mps.abs()
+            + twist.omega_radps.abs() * footprint.circumscribed_radius_m()
+            + fastest_mps;
+        let (mut here, mut tau_s) = (*pose, 0.0);
+        while tau_s < span_s {
+            let free_s = world.clearance_m(&footprint, &here, t_s + tau_s) / closing_mps;
+            let step_s = free_s.max(SHORTEST_S).min(span_s - tau_s);
+            here = arc(&here, twist, step_s);
+            tau_s = if step_s < span_s - tau_s { tau_s + step_s } else { span_s };
+            if world.clearance_m(&footprint, &here, t_s + tau_s) <= 0.0 {
+                return true;
+            }
+        }
+        false
+    }
+
+    fn worlds() -> impl Strategy<Value = World> {
+        let disc =
+            ((0.5..3.5f64, 0.5..1.5f64), (0.5..3.5f64, 0.5..1.5f64), 0.0..1.0f64, any::<bool>());
+        let disc = disc.prop_map(|(from, to, speed_mps, to_and_fro)| MovingDisc {
+            radius_m: 0.15,
+            from_m: [from.0, from.1],
+            to_m: [to.0, to.1],
+            speed_mps,
+            start_s: 0.5,
+            to_and_fro,
+        });
+        let triangle = (0.5..3.5f64, 0.5..1.5f64).prop_map(|(x, y)| schemas::Obstacle {
+            corners_m: vec![[x, y], [x + 0.5, y + 0.1], [x + 0.1, y + 0.3]],
+        });
+        let block = (0.5..3.5f64, 0.5..1.5f64).prop_map(|(x, y)| block(x, y));
+        let obstacles = prop::collection::vec(prop_oneof![triangle, block], 0..3);
+        (obstacles, prop::collection::vec(disc, 0..3)).prop_map(|(obstacles, discs)| World {
+            obstacles,
+            discs,
+            ..scenario().world
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+        /// What is said with certainty is what going step by step finds; short of clearances as small
+        /// as these tests can make, that is nearly always.
+        #[test]
+        fn certainty_is_never_wrong(
+            world in worlds(),
+            (x_m, y_m, theta_rad) in (0.3..3.7f64, 0.3..1.7f64, -4.0..4.0f64),
+            (v_mps, omega_radps) in (-0.7..0.7f64, prop_oneof![Just(0.0), -2.0..2.0f64]),
+            t_s in 0.0..4.0f64,
+            size in prop_oneof![Just((0.5, 0.5)), Just((0.3, 0.2)), Just((0.0, 0.0))],
+        ) {
+            let footprint = Footprint { length_m: size.0, width_m: size.1 };
+            let pose = Pose { x_m, y_m, theta_rad };
+            let twist = Twist { v_mps, omega_radps };
+            let clearance_m = world.clearance_m(&footprint, &pose, t_s);
+            prop_assume!(clearance_m > 0.0);
+            let want = step_by_step(&world, footprint, &pose, t_s, twist, 1.0);
+            let said = Certain::new(&world, footprint).touches(&world, &pose, t_s, twist, 1.0);
+            if let Some(said) = said {
+                prop_assert_eq!(said, want);
+            }
+            let surroundings = Surroundings::new(world, footprint);
+            let course = Course::constant(twist, 1.0);
+            prop_assert_eq!(surroundings.touches(&pose, t_s, &course, clearance_m), want);
+            prop_assert_eq!(surroundings.first_contact_s(&pose, t_s, &course).is_some(), want);
+        }
+    }
+
+    fn room() -> (World, Certain) {
+        let scenario = scenario();
+        let certain = Certain::new(&scenario.world, scenario.robot.footprint);
+        (scenario.world, certain)
+    }
+
+    const MIDDLE: Pose = Pose { x_m: 2.0, y_m: 1.0, theta_rad: 0.0 };
+
+    /// 1.75 m ahead, and alongside a wall a millimetre away: both are certain.
+    #[test]
+    fn plain_cases_are_certain() {
+        let (world, certain) = room();
+        let ask = |pose: Pose, v_mps, omega_radps, span_s| {
+            certain.touches(&world, &pose, 0.0, Twist { v_mps, omega_radps }, span_s)
+        };
+        assert_eq!(ask(MIDDLE, 0.7, 0.0, 2.499), Some(false));
+        assert_eq!(ask(MIDDLE, 0.7, 0.0, 2.501), Some(true));
+        let beside = Pose { y_m: 0.251, x_m: 1.0, ..MIDDLE };
+        assert_eq!(ask(beside, 0.7, 0.0, 3.0), Some(false));
+        // Turned away from it at once the rear corner goes in.
+        assert_eq!(ask(beside, 0.1, 1.0, 0.5), Some(true));
+        // Touching in passing, a hair deep: that is for others to say.
+        let spin = Pose { y_m: 0.125f64.sqrt() - 1e-5, ..MIDDLE };
+        assert_eq!(ask(spin, 0.0, 1.0, 3.0), None);
+    }
+
+    /// What was not thought of is not spoken about.
+    #[test]
+    fn nothing_is_said_of_odd_worlds_and_numbers() {
+        let (world, certain) = room();
+        let slow = Twist { v_mps: 0.1, omega_radps: 0.0 };
+        for odd in [f64::NAN, f64::INFINITY, 1e9] {
+            let pose = Pose { x_m: odd, ..MIDDLE };
+            assert_eq!(certain.touches(&world, &pose, 0.0, slow, 1.0), None);
+            assert_eq!(certain.touches(&world, &MIDDLE, odd, slow, 1.0), None);
+            let fast = Twist { v_mps: odd, ..slow };
+            assert_eq!(certain.touches(&world, &MIDDLE, 0.0, fast, 1.0), None);
+        }
+        let path =
+            schemas::WalkedPath { radius_m: 0.2, points: vec![[0.4, 2.5, 1.0], [0.6, 2.5, 1.0]] };
+        let walked = World { paths: vec![path], ..world.clone() };
+        let clockwise = schemas::Obstacle { corners_m: vec![[1.0, 1.0], [1.0, 2.0], [2.0, 1.0]] };
+        let inverted = World { obstacles: vec![clockwise], ..world };
+        for world in [walked, inverted] {
+            let certain = Certain::new(&world, scenario().robot.footprint);
+            assert_eq!(certain.touches(&world, &MIDDLE, 0.0, slow, 1.0), None);
+        }
+    }
+}
