@@ -244,8 +244,9 @@ fn level(
     }
     match arms(log, [choices.0, choices.1], mode, faults) {
         [Ok(a), Ok(b)] => {
-            let sides =
-                [Side::new(&log.header, choices.0, a), Side::new(&log.header, choices.1, b)];
+            let a = Side::new(&log.header, choices.0, a, None);
+            let b = Side::new(&log.header, choices.1, b, Some(&a));
+            let sides = [a, b];
             let (a, b, diff, horizon_s) = walk(log.header.run.start, sides);
             level.horizon_s = horizon_s;
             let text = |result: Result<Measured>| result.map_err(|error| format!("{error:#}"));
@@ -295,7 +296,8 @@ struct Side {
 }
 
 impl Side {
-    fn new(header: &Header, choice: &ControllerChoice, arm: Arm) -> Side {
+    /// An arm that is walked alone, or beside another.
+    fn new(header: &Header, choice: &ControllerChoice, arm: Arm, other: Option<&Side>) -> Side {
         let spec = match choice {
             ControllerChoice::Recorded => None,
             version @ ControllerChoice::Version { .. } => version.for_log(header).ok(),
@@ -303,8 +305,13 @@ impl Side {
         // The recording's own parameters are those of another controller.
         let params_toml =
             spec.as_ref().map_or_else(|| header.params_toml.clone(), Spec::params_toml);
+        let header = &Header { params_toml, ..header.clone() };
+        let meter = match other {
+            Some(other) => other.meter.borrow().beside(header),
+            None => Meter::new(header),
+        };
         Side {
-            meter: RefCell::new(Meter::new(&Header { params_toml, ..header.clone() })),
+            meter: RefCell::new(meter),
             arm: RefCell::new(arm),
             spec,
             scenario: header.scenario.clone(),
@@ -350,10 +357,10 @@ impl Side {
             if kept_back {
                 return look.shielded(step.u_h, false)?.ray;
             }
-            let trace = trace::Trace::new(&look, step, spec, &self.scenario);
+            let (requested, present) = trace::travel_rays(&look, step, spec, &self.scenario);
             // Asked about both speeds, D is that of the one that is nearer to danger.
-            let present = trace.present.filter(|ray| ray.free_m == step.distance_human_m);
-            Some(present.unwrap_or(trace.requested))
+            let present = present.filter(|ray| ray.free_m == step.distance_human_m);
+            Some(present.unwrap_or(requested))
         })?;
         if let Some(echo) = ray.and_then(|ray| ray.echo) {
             self.meter.borrow_mut().ended_by(echo.fired, echo.range_m);

@@ -88,23 +88,36 @@ fn first_difference(again: &Step, recorded: &Step) -> Option<&'static str> {
 impl Trace {
     /// What is seen from `look` in the step that was just made.
     pub fn new(look: &Look<'_>, step: &Step, spec: &Spec, scenario: &Scenario) -> Trace {
-        let params = &spec.params;
-        let mode = mode(spec, scenario);
-        let ray = |[v_mps, omega_radps]: [f64; 2]| {
-            // The printed sets do not look behind.
-            let v_mps = if params.sets == Sets::Printed { 0.0 } else { v_mps };
-            look.travel_ray(step, mode, [v_mps, omega_radps])
-        };
-        let both = spec.law == Law::Dynamic && params.sets == Sets::Total;
+        let (requested, present) = travel_rays(look, step, spec, scenario);
         Trace {
             from: *look.from(),
             law: [0.0, FRAC_PI_2, -FRAC_PI_2].map(|turn| look.law_ray(step.psi_rad + turn)),
-            requested: ray(requested(step, &scenario.plant)),
-            present: both.then(|| ray([step.v_mps, step.omega_radps])),
+            requested,
+            present,
             chosen: look.shielded(step.u_s_before_projection, step.k != 1.0),
             human: look.shielded(step.u_h, false),
         }
     }
+}
+
+/// The rays that D may come from: that for the requested velocity, and, where the sets are asked about
+/// that too, the one for the present velocity.
+pub fn travel_rays(
+    look: &Look<'_>,
+    step: &Step,
+    spec: &Spec,
+    scenario: &Scenario,
+) -> (Ray, Option<Ray>) {
+    let params = &spec.params;
+    let mode = mode(spec, scenario);
+    let ray = |[v_mps, omega_radps]: [f64; 2]| {
+        // The printed sets do not look behind.
+        let v_mps = if params.sets == Sets::Printed { 0.0 } else { v_mps };
+        look.travel_ray(step, mode, [v_mps, omega_radps])
+    };
+    let both = spec.law == Law::Dynamic && params.sets == Sets::Total;
+    let present = both.then(|| ray([step.v_mps, step.omega_radps]));
+    (ray(requested(step, &scenario.plant)), present)
 }
 
 /// Along which directions D is measured.

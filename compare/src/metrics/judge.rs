@@ -5,6 +5,7 @@
 
 use schemas::{Plant, Pose, Twist};
 
+use super::answers::Answers;
 use super::sample::Limits;
 use super::sweep::{Course, Surroundings};
 
@@ -52,6 +53,7 @@ pub(super) struct Judge {
     accel: [f64; 2],
     limits_acceleration: bool,
     last: Option<(f64, Option<Judgement>)>,
+    answers: Answers<9, Option<Judgement>>,
 }
 
 /// The state in which an input was given.
@@ -74,7 +76,13 @@ impl Judge {
             accel: [plant.accel_max_mps2, plant.alpha_max_radps2],
             limits_acceleration: plant.limits_acceleration,
             last: None,
+            answers: Answers::default(),
         }
+    }
+
+    /// Answers together with another judge of the same surroundings and plant.
+    pub(super) fn ask_with(&mut self, other: &Judge) {
+        self.answers = other.answers.clone();
     }
 
     /// The judgement of an input; `None` where something is not known, where there is nothing to
@@ -86,7 +94,19 @@ impl Judge {
         {
             return judgement;
         }
-        let judgement = self.judged(state, input);
+        let State { t_s, pose, twist, accelerates } = *state;
+        let question = [
+            t_s,
+            pose.x_m,
+            pose.y_m,
+            pose.theta_rad,
+            twist.v_mps,
+            twist.omega_radps,
+            f64::from(u8::from(accelerates)),
+            input.v_mps,
+            input.omega_radps,
+        ];
+        let judgement = self.answers.of(question, || self.judged(state, input));
         self.last = Some((state.t_s, judgement));
         judgement
     }

@@ -6,6 +6,7 @@ use schemas::{
 use serde::{Deserialize, Serialize};
 
 use super::accumulate::Accumulate;
+use super::answers::Answers;
 use super::catalogue::{CATALOGUE, Feed};
 use super::echoes::Echoes;
 use super::invariance::{Monitor, Violation};
@@ -87,6 +88,7 @@ pub struct Meter {
     monitor: Monitor,
     surroundings: Surroundings,
     judge: Judge,
+    collisions: Answers<6, f64>,
     echoes: Echoes,
     sets: Option<Sets>,
     distance_before_m: f64,
@@ -131,6 +133,7 @@ impl Meter {
             monitor: Monitor::new(setting.footprint),
             judge: Judge::new(surroundings.clone(), &setting.plant),
             surroundings,
+            collisions: Answers::default(),
             echoes: Echoes::default(),
             sets: Sets::of(header),
             distance_before_m: f64::NAN,
@@ -146,6 +149,22 @@ impl Meter {
             steps_back_in_time: 0,
             duration_s: 0.0,
         }
+    }
+
+    /// A meter for another run of the same session. Where both runs ask the same of the world, a few
+    /// events apart at most, it is worked out once.
+    #[must_use]
+    pub fn beside(&self, header: &Header) -> Meter {
+        let mut meter = Meter::new(header);
+        let (own, other) = (&meter.setting, &self.setting);
+        let same = own.world == other.world
+            && own.footprint == other.footprint
+            && own.plant == other.plant;
+        if same {
+            meter.judge.ask_with(&self.judge);
+            meter.collisions = self.collisions.clone();
+        }
+        meter
     }
 
     /// Takes in the next event of the run, in the order of the log.
@@ -393,9 +412,13 @@ impl Meter {
         if !known || motion.clearance_m.is_nan() || self.surroundings.is_empty() {
             return f64::NAN;
         }
-        let course = Course::constant(motion.twist, TTC_HORIZON_S);
-        let contact_s = self.surroundings.first_contact_s(&motion.pose, motion.t_s, &course);
-        contact_s.unwrap_or(TTC_HORIZON_S)
+        let Motion { t_s, pose, .. } = motion;
+        let question = [*t_s, pose.x_m, pose.y_m, pose.theta_rad, v_mps, omega_radps];
+        self.collisions.of(question, || {
+            let course = Course::constant(motion.twist, TTC_HORIZON_S);
+            let contact_s = self.surroundings.first_contact_s(pose, *t_s, &course);
+            contact_s.unwrap_or(TTC_HORIZON_S)
+        })
     }
 
     /// Hands the decision that was held back to the metrics; the next step came `hold_s` later.

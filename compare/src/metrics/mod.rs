@@ -9,6 +9,7 @@
 
 mod accumulate;
 mod agreement;
+mod answers;
 mod authority;
 mod catalogue;
 mod certain;

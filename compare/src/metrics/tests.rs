@@ -495,6 +495,41 @@ fn a_run_without_a_step_is_an_error_and_not_a_row_of_zeros() {
     assert!(matches!(meter.finish(), Err(CompareError::NoSteps { events: 1 })));
 }
 
+/// Runs of the same motion under other inputs, walked side by side: each is measured as it is alone.
+#[test]
+fn beside_another_run_a_run_is_measured_as_it_is_alone() {
+    let run = |asked: f64| {
+        let mut run = Run::new();
+        for i in 0..60 {
+            let t_s = f64::from(i) * 0.1;
+            run.truth(t_s, |truth| {
+                truth.pose.x_m = 3.5 - 0.05 * t_s;
+                truth.v_mps = 0.2;
+            });
+            let asked = if i % 3 == 0 { asked } else { 0.5 };
+            run.step(t_s, |step| step.v_h_mps = asked).command(t_s, 0.1, 0.0);
+        }
+        run
+    };
+    let mut other_room = run(0.6);
+    other_room.header.scenario.world.room[2].offset_m = 4.3;
+    let runs = [run(0.5), run(0.6), other_room];
+    let first = Meter::new(&runs[0].header);
+    let mut meters: Vec<Meter> = runs.iter().skip(1).map(|run| first.beside(&run.header)).collect();
+    meters.insert(0, first);
+    for i in 0..runs[0].events.len() {
+        for (meter, run) in meters.iter_mut().zip(&runs) {
+            meter.observe(&run.events[i]);
+        }
+    }
+    let measured: Vec<_> = meters.into_iter().map(|meter| meter.finish().unwrap()).collect();
+    for (beside, run) in measured.iter().zip(&runs) {
+        // As text, in which NaN is NaN.
+        assert_eq!(format!("{beside:?}"), format!("{:?}", run.measured()));
+    }
+    assert_ne!(measured[1].metrics.get("necessary"), measured[2].metrics.get("necessary"));
+}
+
 #[test]
 fn a_step_stands_no_longer_than_two_periods() {
     // 10 s of silence after the first step, which overrides by 0.2 m/s: 2 · 0.1 s of it count,

@@ -398,7 +398,11 @@ impl Replay {
         };
         // Metrics twice: over the whole run, and as far as the recorded person is to be believed.
         let closed = matches!(mode, Mode::Closed(_));
-        let mut meters = closed.then(|| [Meter::new(header), Meter::new(header)]);
+        let mut meters = closed.then(|| {
+            let whole = Meter::new(header);
+            let until_horizon = whole.beside(header);
+            [whole, until_horizon]
+        });
         let interrupted = Cell::new(false);
         let mut next = || -> Result<Option<Stamped<Event>>> {
             interrupted.set(interrupt::pressed());

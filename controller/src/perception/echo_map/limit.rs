@@ -82,18 +82,20 @@ impl EchoMap {
         let scan = if laws { &self.law } else { &self.safety };
         let mut nearest: Option<LimitingEcho> = None;
         let mut offer = |point: &Point, in_gap: bool| {
+            if laws && !point.confirmed {
+                return;
+            }
             let moved_m = if laws { 0.0 } else { self.moved_m(point, now) };
             let nearer_by_m = EchoMap::uncertainty_m(point, odometry.odometer_m()) + moved_m;
             let about_m = from.position_m();
             let Some(sighting) = sight(about_m, point.at_m, nearer_by_m) else { return };
             let drawn_m = sighting.at_m(about_m);
-            // Of several points in one direction the scan shows the nearest alone.
-            let shown = in_gap || scan.points_m().contains(&drawn_m);
-            if (laws && !point.confirmed) || !shown {
-                return;
-            }
             let free_m = free_m(drawn_m);
-            if free_m < nearest.map_or(f64::INFINITY, |echo| echo.free_m) {
+            // Of several points in one direction the scan shows the nearest alone; looking for it there
+            // is the costly part.
+            if free_m < nearest.map_or(f64::INFINITY, |echo| echo.free_m)
+                && (in_gap || scan.points_m().contains(&drawn_m))
+            {
                 let Point { at_m, range_m, fired, confirmed, .. } = *point;
                 nearest = Some(LimitingEcho {
                     free_m,
