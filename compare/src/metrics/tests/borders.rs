@@ -154,3 +154,46 @@ fn interventions_merge_below_three_tenths_of_a_second() {
     close(steps(2), 60.0);
     close(steps(3), 120.0);
 }
+
+/// A contact that the robot first suffers and then presses on with is its own doing, from then on.
+#[test]
+fn one_active_moment_makes_a_contact_active() {
+    let stretch = |speeds_mps: [f64; 2]| {
+        let mut run = Run::new();
+        for (t_s, v_mps) in [0.0, 0.1].into_iter().zip(speeds_mps) {
+            run.truth(t_s, |truth| {
+                (truth.pose, truth.v_mps) = (Pose::default(), v_mps);
+                (truth.clearance_m, truth.clearance_static_m) = (-0.05, 1.0);
+                truth.discs = vec![before_the_front(Pose::default(), 0.0, 0.05)];
+            });
+        }
+        run.step(0.0, |_| {});
+        let violations = run.measured().violations;
+        assert_eq!(violations.len(), 1);
+        violations[0].kind
+    };
+    assert_eq!(stretch([0.0, 0.3]), ViolationKind::CollisionDiscActive);
+    assert_eq!(stretch([0.3, 0.0]), ViolationKind::CollisionDiscActive);
+    assert_eq!(stretch([0.0, 0.0]), ViolationKind::CollisionDiscPassive);
+}
+
+/// Half of the clearance in 0.1 s is allowed, and from the edge itself nothing is asked for; two samples of
+/// one instant say nothing about a rate. A breach is in the profile when it happens.
+#[test]
+fn half_of_the_clearance_may_be_used_up() {
+    // A power of ½ to the power 1, and 0.1 s that is 0.1 s exactly: from 0 on.
+    close(Run::clearances(&[0.5, 0.25]).metric("barrier_breaches"), 0.0);
+    close(Run::clearances(&[0.5, 0.249]).metric("barrier_breaches"), 1.0);
+    close(Run::clearances(&[0.0, -0.1]).metric("barrier_breaches"), 0.0);
+    let mut twice = Run::new();
+    twice.truth(0.0, |truth| truth.clearance_static_m = 0.5);
+    twice.truth(0.0, |truth| truth.clearance_static_m = 0.1).step(0.0, |_| {});
+    assert_eq!(twice.metric("barrier_breaches"), None);
+
+    let mut clearances_m = vec![0.5; 40];
+    clearances_m[25] = 0.1;
+    let measured = Run::clearances(&clearances_m).measured();
+    let i =
+        CATALOGUE.iter().position(|metric| metric.name == "barrier_breaches").expect("a metric");
+    assert_eq!(measured.profile.contributions(i, 1.0), [0.0, 0.0, 1.0]);
+}
