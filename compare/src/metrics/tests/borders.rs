@@ -197,3 +197,19 @@ fn half_of_the_clearance_may_be_used_up() {
         CATALOGUE.iter().position(|metric| metric.name == "barrier_breaches").expect("a metric");
     assert_eq!(measured.profile.contributions(i, 1.0), [0.0, 0.0, 1.0]);
 }
+
+/// Only what adds up over time has moments that carry it.
+#[test]
+fn what_does_not_add_up_has_no_profile() {
+    let mut run = Run::clearances(&[0.5, 0.05, 0.5]);
+    run.command(0.0, 0.1, 0.0);
+    let measured = run.measured();
+    let bins = |name: &str| {
+        let i = CATALOGUE.iter().position(|metric| metric.name == name).expect("a metric");
+        measured.profile.contributions(i, 1.0)
+    };
+    assert!(!bins("near_miss_s").is_empty());
+    for name in ["min_clearance_m", "collisions", "invariance_breaches", "cosine"] {
+        assert!(bins(name).is_empty(), "{name}");
+    }
+}
