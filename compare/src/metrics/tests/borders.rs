@@ -36,7 +36,7 @@ fn a_contact_is_the_same_everywhere() {
         let pose = Pose { x_m: 2.0, y_m: -3.0, theta_rad };
         for aside_m in [0.0, 0.1, -0.1] {
             let disc = before_the_front(pose, aside_m, 0.03);
-            let ahead = beside(pose, 0.3, disc.clone(), -0.03);
+            let ahead = beside(pose, 0.3, disc, -0.03);
             assert_eq!(ahead.len(), 1, "{theta_rad} {aside_m}");
             assert_eq!(ahead[0].kind, ViolationKind::CollisionDiscActive);
             close(Some(ahead[0].depth_m), 0.03);
@@ -51,7 +51,7 @@ fn a_contact_is_the_same_everywhere() {
 fn a_millimetre_a_second_is_not_yet_active() {
     let pose = Pose::default();
     let disc = before_the_front(pose, 0.0, 0.05);
-    let kind = |v_mps| beside(pose, v_mps, disc.clone(), -0.05)[0].kind;
+    let kind = |v_mps| beside(pose, v_mps, disc, -0.05)[0].kind;
     assert_eq!(kind(1.5e-3), ViolationKind::CollisionDiscActive);
     assert_eq!(kind(1.0e-3), ViolationKind::CollisionDiscPassive);
 }
@@ -61,7 +61,7 @@ fn a_millimetre_a_second_is_not_yet_active() {
 fn to_touch_is_contact() {
     // 0.25 + 0.25: sums of powers of two, so that the distance is 0 exactly.
     let touching = Disc { centre_m: [0.5, 0.0], radius_m: 0.25 };
-    let violations = beside(Pose::default(), 0.3, touching.clone(), 0.0);
+    let violations = beside(Pose::default(), 0.3, touching, 0.0);
     assert_eq!(violations.len(), 1);
     assert_eq!(violations[0].depth_m, 0.0);
     let clear = Disc { centre_m: [0.500_001, 0.0], ..touching };
