@@ -149,6 +149,41 @@ proptest! {
         }
     }
 
+    /// Whoever can matter is gathered: with one person anywhere, an input is harmless with those within
+    /// reach if and only if it is with everyone, however far away.
+    #[test]
+    fn nobody_who_matters_is_out_of_reach(
+        kind in 0..3_u8, accel_mps2 in prop_oneof![Just(0.3), Just(2.0)],
+        period_s in prop_oneof![Just(0.1), Just(0.02)],
+        later_s in prop_oneof![Just(0.0), Just(0.1), 0.0..0.5f64],
+        doubt_m in prop_oneof![Just(0.0), 0.0..0.2f64], circle in any::<bool>(),
+        shares in prop::array::uniform4(prop_oneof![Just(-1.0), Just(1.0), -1.0..1.0f64]),
+        // Where: about where reach ends, mostly on the way.
+        off_m in -0.3..0.1f64, aside_rad in prop_oneof![-0.8..0.8f64, -3.2..3.2f64],
+        speed_mps in prop_oneof![Just(0.0), 0.0..2.0f64], radius_m in 0.0..0.4f64,
+    ) {
+        let mut sweep = Sweep { later_s, ..sweep(kind, accel_mps2, period_s) };
+        if kind > 0 {
+            sweep.speeds = [0.7 * shares[2], 2.0 * shares[3]];
+        }
+        let full = if kind == 2 { [accel_mps2, 6.0] } else { [0.7, 2.0] };
+        let u = [shares[0] * full[0], shares[1] * full[1]];
+        let (reach_m, horizon_s) = sweep.reach();
+        let circle_m = BODY.circumscribed_radius_m();
+        let centre_m = reach_m + circle_m + radius_m + speed_mps * horizon_s + off_m;
+        let way_rad = if sweep.speeds[0] + u[0] < 0.0 { std::f64::consts::PI } else { 0.0 };
+        let (sin, cos) = libm::sincos(way_rad + aside_rad);
+        let person = Disc { centre_m: [centre_m * cos, centre_m * sin], radius_m };
+        let verdict = |reach| {
+            let mut near = Near::new(BODY, &[], 1);
+            near.clear(&Pose::default(), reach, circle.then_some(GUARD_M));
+            near.disc(person, speed_mps, doubt_m);
+            (sweep.allows(u, &near), sweep.project(u, &near))
+        };
+        let all = verdict((1e6, 1e6));
+        prop_assert_eq!(verdict(sweep.reach()), all);
+    }
+
     /// What no robot does ends all the same, as harmful or as what it is.
     #[test]
     fn nonsense_ends(

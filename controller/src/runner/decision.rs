@@ -17,7 +17,7 @@ use crate::travel::direction_of_travel_rad;
 /// With something this near to the turning circle, metres, the feedback law turns no faster than sonars look
 /// around: what stands beside the body, between the cones, comes into one within a sweep of 0.32 s. At
 /// 1 rad/s that is 18°, the width of a cone. Chosen.
-const CLOSE_BESIDE_M: f64 = 0.1;
+pub(super) const CLOSE_BESIDE_M: f64 = 0.1;
 const LOOKING_RADPS: f64 = 1.0;
 
 /// What a decision goes by, beside what the runner remembers.

@@ -155,7 +155,10 @@ impl Runner {
         let shield = self.setup.shield(speeds);
         if let Some(sweep) = shield.as_ref().and_then(Shield::sweep) {
             let keep_circle_m = self.setup.keep_circle_m();
-            self.near.clear(&pose, sweep.reach(), keep_circle_m);
+            let (reach_m, horizon_s) = sweep.reach();
+            // What is close beside is asked for whether the body can get there or not.
+            let reach_m = reach_m.max(decision::CLOSE_BESIDE_M);
+            self.near.clear(&pose, (reach_m, horizon_s), keep_circle_m);
             self.senses.gather(&mut self.near, self.setup.spec.params.v_disc_mps);
             step.safety_clear_m = Some(self.near.circle_clear_m());
         }

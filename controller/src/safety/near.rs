@@ -102,7 +102,8 @@ impl Near {
     }
 
     /// Starts again: about a body at `pose` to which nothing matters that is farther than `reach_m` beyond
-    /// its turning circle, and that rests `horizon_s` from now at the latest.
+    /// its turning circle, and that rests `horizon_s` after the surroundings were as they are known, at
+    /// the latest.
     /// With `keep_circle_m` the turning circle stays that clear of everything that it is that clear
     /// of, and only what is nearer is left to the rectangle.
     pub fn clear(

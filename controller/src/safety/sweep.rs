@@ -84,20 +84,22 @@ struct Trip {
 
 impl Sweep {
     /// From how far away a thing can matter before the robot rests, metres beyond its turning circle,
-    /// and how long that can take, seconds, whatever the input.
+    /// and how long after the surroundings were as they are known that can be, seconds, whatever the
+    /// input.
     pub fn reach(&self) -> (f64, f64) {
         let v_mps = self.plant.v_max_mps.max(libm::fabs(self.speeds[0]));
         let kept_m = self.guard_m + LEAST_STEP_M;
         let (accel_mps2, alpha_radps2) = (self.plant.accel_max_mps2, self.plant.alpha_max_radps2);
         if !self.accelerations && !self.plant.limits_acceleration {
-            return (v_mps * self.period_s + kept_m, self.period_s);
+            return (v_mps * self.period_s + kept_m, self.later_s + self.period_s);
         }
         let omega_radps = self.plant.omega_max_radps.max(libm::fabs(self.speeds[1]));
         // The input's period, and less than one more in which a stop of accelerations ends.
         let periods_s = 2.0 * self.period_s;
         let braking_s = v_mps / accel_mps2;
         let rest_s = braking_s.max(omega_radps / alpha_radps2);
-        (v_mps * (periods_s + 0.5 * braking_s) + kept_m, periods_s + rest_s)
+        let travel_m = v_mps * (periods_s + 0.5 * braking_s);
+        (travel_m + kept_m, self.later_s + periods_s + rest_s)
     }
 
     /// The input that stops from `speeds`.
