@@ -110,8 +110,8 @@ impl Planted {
             return now;
         }
         let before = self.estimate.replace(now).unwrap_or(now);
-        // It comes late, and does not know: the stamp is that of the newest.
-        Estimate { stamp: now.stamp, ..before }
+        // It comes late, and does not know: the stamps are those of the newest.
+        Estimate { reached: now.reached, stamp: now.stamp, ..before }
     }
 
     pub(crate) fn target(&self, target: &mut Target) {

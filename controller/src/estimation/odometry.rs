@@ -69,6 +69,8 @@ pub struct Estimate {
     pub v_mps: f64,
     /// Turn rate, rad/s.
     pub omega_radps: f64,
+    /// The instant that pose and speeds are of: the newest accepted sample; `None` before the first.
+    pub reached: Option<Time>,
     /// The newest accepted encoder sample; `None` before the first. Travel is known up to here, so
     /// the age of the odometry counts from here.
     pub stamp: Option<Time>,
@@ -250,6 +252,7 @@ impl Odometry {
             pose: self.ekf.pose(),
             v_mps: self.ekf.get(V),
             omega_radps: self.ekf.get(OMEGA),
+            reached: self.reached,
             stamp: self.wheels.stamp(),
         }
     }

@@ -143,11 +143,12 @@ impl Runner {
         step.input_hash = self.input_hash(now, request.age_s, odometry_age_s);
 
         let t_s = now.seconds_since(self.setup.start);
-        // The command will take effect later and, where the newest odometry is older than now,
+        // The command will take effect later and, where the estimate is of an earlier instant,
         // elsewhere.
         let estimated =
             Moving { pose: estimate.pose, speeds: [estimate.v_mps, estimate.omega_radps] };
-        let Moving { pose, speeds } = self.underway.foresee(&estimated, odometry_age_s, now);
+        let Moving { pose, speeds } =
+            self.underway.foresee(&estimated, estimate.reached.unwrap_or(now), now);
         self.senses.advance(now, t_s, &pose);
         step.sonars_unknown = self.senses.sonars_unknown();
         self.looked_from = Some(pose);

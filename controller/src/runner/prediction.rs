@@ -10,6 +10,9 @@ use crate::safety::{Drive, Moving, arc};
 /// Times longer than this are not predicted over, seconds: what is that old no longer counts.
 const HORIZON_S: f64 = 0.5;
 
+/// Commands are kept until odometry this old, seconds, has felt them; two samples of the slowest sensor.
+const CATCHING_UP_S: f64 = 0.05;
+
 /// More commands than this are never on their way at once.
 const MOST: usize = 512;
 
@@ -17,6 +20,8 @@ const MOST: usize = 512;
 #[derive(Clone, Debug)]
 pub(super) struct Underway {
     plant: Plant,
+    /// From its being given to its taking effect.
+    delay: Span,
     /// When each was given, the oldest first.
     given: VecDeque<(Time, Drive)>,
     /// How many there are room for.
@@ -26,9 +31,11 @@ pub(super) struct Underway {
 impl Underway {
     /// None yet; room for as many as the plant's delay holds.
     pub(super) fn new(plant: Plant, control_period_s: f64) -> Underway {
-        let held = libm::ceil(plant.actuator_delay_s.clamp(0.0, HORIZON_S) / control_period_s);
+        let delay_s = plant.actuator_delay_s.clamp(0.0, HORIZON_S);
+        let held = libm::ceil((delay_s + CATCHING_UP_S) / control_period_s);
         let most = (held as usize).min(MOST - 2) + 2;
-        Underway { plant, given: VecDeque::with_capacity(most), most }
+        let delay = Span::from_seconds(delay_s);
+        Underway { plant, delay, given: VecDeque::with_capacity(most), most }
     }
 
     /// Takes note of a command.
@@ -39,33 +46,31 @@ impl Underway {
         self.given.push_back((at, drive));
     }
 
-    /// The robot as the command of `now` will find it. `robot` is how it was `age_s` ago: it moves on
-    /// along its speeds of then, and along the commands on their way for the plant's delay. Both times
-    /// end at half a second. Without either nothing changes, not a bit.
-    pub(super) fn foresee(&self, robot: &Moving, age_s: f64, now: Time) -> Moving {
+    /// The robot as the command of `now` will find it: `robot` is how it was at `as_of`. From there it
+    /// moves on along the commands that were given, each from the instant at which it takes effect
+    /// until the next one does, and at its speeds of then before the first of them. What is older than
+    /// half a second counts as half a second old. Where no time passes nothing changes, not a bit.
+    pub(super) fn foresee(&self, robot: &Moving, as_of: Time, now: Time) -> Moving {
         let mut robot = *robot;
         let finite = robot.speeds.iter().all(|speed| speed.is_finite());
         if !finite {
             return robot;
         }
-        if age_s > 0.0 {
-            robot.pose = arc(&robot.pose, robot.speeds, age_s.min(HORIZON_S));
-        }
-        let delay_s = self.plant.actuator_delay_s.min(HORIZON_S);
-        let delay = Span::from_seconds(delay_s.max(0.0));
-        // A command is in force from its delay on until that of the next one.
-        let mut from_s = 0.0;
-        for (index, (at, drive)) in self.given.iter().enumerate() {
-            let until_s = match self.given.get(index + 1) {
-                Some((next, _)) => (*next + delay).seconds_since(now).min(delay_s),
-                None => delay_s,
-            };
-            if until_s <= from_s || *at > now {
-                continue;
+        let oldest = Time(now.0.saturating_sub(Span::from_seconds(HORIZON_S).0));
+        let mut reached = as_of.clamp(oldest, now);
+        let end = now + self.delay;
+        // What was given after now was given by another clock.
+        let mut coming = self.given.iter().filter(|(at, _)| *at <= now).peekable();
+        let first = coming.peek().map_or(end, |(at, _)| *at + self.delay);
+        robot.pose = arc(&robot.pose, robot.speeds, first.min(end).since(reached).seconds());
+        reached = reached.max(first);
+        while let Some((_, drive)) = coming.next() {
+            let until = coming.peek().map_or(end, |(at, _)| *at + self.delay).min(end);
+            if until > reached {
+                robot.speeds = drive.taken_up(&self.plant, robot.speeds);
+                robot.advance(&self.plant, *drive, until.since(reached).seconds());
+                reached = until;
             }
-            robot.speeds = drive.taken_up(&self.plant, robot.speeds);
-            robot.advance(&self.plant, *drive, until_s - from_s);
-            from_s = until_s;
         }
         robot
     }
@@ -108,10 +113,11 @@ mod tests {
         let pose = Pose { x_m: 0.1, y_m: -0.0, theta_rad: 7.3 };
         let robot = Moving { pose, speeds: [0.5, 1.0] };
         let drive = Drive::Velocities([0.3, 2.0]);
-        assert_eq!(underway(0.0, &[(0.9, drive)]).foresee(&robot, 0.0, at(1.0)), robot);
-        assert_eq!(underway(0.0, &[]).foresee(&robot, f64::NAN, at(1.0)), robot);
+        assert_eq!(underway(0.0, &[(0.9, drive)]).foresee(&robot, at(1.0), at(1.0)), robot);
+        // A clock that is ahead.
+        assert_eq!(underway(0.0, &[]).foresee(&robot, at(1.1), at(1.0)), robot);
         let blind = Moving { pose, speeds: [f64::NAN, 1.0] };
-        assert_eq!(underway(0.1, &[(0.9, drive)]).foresee(&blind, 0.1, at(1.0)).pose, pose);
+        assert_eq!(underway(0.1, &[(0.9, drive)]).foresee(&blind, at(0.9), at(1.0)).pose, pose);
     }
 
     #[test]
@@ -119,7 +125,7 @@ mod tests {
         // Radius v/ω = 0.5 m, a quarter turn to the left in 0.4 s.
         let omega = std::f64::consts::FRAC_PI_2 / 0.4;
         let robot = Moving { pose: Pose::default(), speeds: [0.5 * omega, omega] };
-        let end = underway(0.0, &[]).foresee(&robot, 0.4, at(1.0)).pose;
+        let end = underway(0.0, &[]).foresee(&robot, at(0.6), at(1.0)).pose;
         assert!((end.x_m - 0.5).abs() < 1e-12 && (end.y_m - 0.5).abs() < 1e-12, "{end:?}");
     }
 
@@ -134,9 +140,42 @@ mod tests {
             (0.9, straight(0.4)),
         ];
         let robot = Moving { pose: Pose::default(), speeds: [0.1, 0.0] };
-        let end = underway(0.25, &given).foresee(&robot, 0.0, at(1.0));
+        let end = underway(0.25, &given).foresee(&robot, at(1.0), at(1.0));
         assert!((end.pose.x_m - (0.05 * 0.1 + 0.1 * 0.2 + 0.1 * 0.4)).abs() < 1e-12, "{end:?}");
         assert_eq!(end.speeds, [0.4, 0.0]);
+    }
+
+    /// The first command ever given, 0.1 s ago with a delay of 0.25 s, does nothing for another 0.15 s:
+    /// until then the robot goes on as it does. Of the delay 0.1 s are left for it.
+    #[test]
+    fn the_first_command_waits_for_its_turn() {
+        let given = [(0.9, Drive::Velocities([0.4, 0.0]))];
+        let robot = Moving { pose: Pose::default(), speeds: [0.1, 0.0] };
+        let end = underway(0.25, &given).foresee(&robot, at(1.0), at(1.0));
+        assert!((end.pose.x_m - (0.15 * 0.1 + 0.1 * 0.4)).abs() < 1e-12, "{end:?}");
+        assert_eq!(end.speeds, [0.4, 0.0]);
+        let standing = underway(0.25, &[]).foresee(&robot, at(1.0), at(1.0));
+        assert!((standing.pose.x_m - 0.25 * 0.1).abs() < 1e-12, "{standing:?}");
+    }
+
+    /// Odometry of 0.06 s ago has felt neither the command that took effect 0.02 s ago nor any later one.
+    #[test]
+    fn old_odometry_has_not_felt_what_came_since() {
+        let straight = |v: f64| Drive::Velocities([v, 0.0]);
+        let given = [(0.78, straight(0.1)), (0.88, straight(0.2)), (0.98, straight(0.4))];
+        let robot = Moving { pose: Pose::default(), speeds: [0.1, 0.0] };
+        let end = underway(0.1, &given).foresee(&robot, at(0.94), at(1.0));
+        let expected_m = 0.04 * 0.1 + 0.1 * 0.2 + 0.02 * 0.4;
+        assert!((end.pose.x_m - expected_m).abs() < 1e-12, "{end:?}");
+    }
+
+    /// What another clock gave never comes; what is half a second old or older counts as that old.
+    #[test]
+    fn clocks_may_be_set() {
+        let robot = Moving { pose: Pose::default(), speeds: [0.1, 0.0] };
+        let given = [(9.0, Drive::Velocities([0.7, 0.0]))];
+        let end = underway(0.1, &given).foresee(&robot, at(-3.0), at(1.0));
+        assert!((end.pose.x_m - 0.6 * 0.1).abs() < 1e-12, "{end:?}");
     }
 
     /// Accelerations on their way change the speed that the next command finds.
@@ -144,7 +183,7 @@ mod tests {
     fn accelerations_lead_to_speeds() {
         let given = [(0.9, Drive::Accelerations([2.0, -6.0]))];
         let robot = Moving { pose: Pose::default(), speeds: [0.1, 0.0] };
-        let end = underway(0.1, &given).foresee(&robot, 0.0, at(1.0));
+        let end = underway(0.1, &given).foresee(&robot, at(1.0), at(1.0));
         assert!((end.speeds[0] - 0.3).abs() < 1e-12 && (end.speeds[1] + 0.6).abs() < 1e-12);
         assert!((end.pose.x_m - 0.02).abs() < 1e-4, "{end:?}");
     }

@@ -78,11 +78,18 @@ impl Senses {
             Senses::Exact(exact) => {
                 let unknown = Pose { x_m: f64::NAN, y_m: f64::NAN, theta_rad: f64::NAN };
                 exact.latest.map_or(
-                    Estimate { pose: unknown, v_mps: 0.0, omega_radps: 0.0, stamp: None },
+                    Estimate {
+                        pose: unknown,
+                        v_mps: 0.0,
+                        omega_radps: 0.0,
+                        reached: None,
+                        stamp: None,
+                    },
                     |exact| Estimate {
                         pose: exact.pose,
                         v_mps: exact.v_mps,
                         omega_radps: exact.omega_radps,
+                        reached: Some(exact.stamp),
                         stamp: Some(exact.stamp),
                     },
                 )
