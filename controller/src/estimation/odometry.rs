@@ -132,6 +132,10 @@ pub struct Odometry {
     felt_mps2: f64,
     /// Speed, m/s, as of the newest encoder sample.
     settled_mps: f64,
+    /// What the counters should have shown beyond their reading then, metres.
+    told_m: f64,
+    /// For how long since then the accelerometer has told nothing, seconds.
+    unfelt_s: f64,
     /// What the accelerometer shows ahead beyond that, m/s², on average: its bias, and gravity where
     /// the floor or the sensor is tilted.
     tilt_mps2: f64,
@@ -162,6 +166,8 @@ impl Odometry {
             lean: 0.0,
             felt_mps2: 0.0,
             settled_mps: 0.0,
+            told_m: 0.0,
+            unfelt_s: 0.0,
             tilt_mps2: 0.0,
             health: Health::default(),
             odometer_m: 0.0,
@@ -215,6 +221,7 @@ impl Odometry {
             if let Some(v_mps) = reported_speed_mps(sample) {
                 self.ekf.replace(V, v_mps, SPEED_SIGMA_MPS * SPEED_SIGMA_MPS);
             }
+            self.settle();
             self.trail_on();
             return;
         };
@@ -232,7 +239,7 @@ impl Odometry {
         let predicted_m = self.ekf.get(TRAVEL);
         let believed = self.hear_wheels(sample, &rolled, gyro_is_heard);
         self.felt_mps2 = (self.ekf.get(V) - self.settled_mps) / rolled.elapsed_s;
-        self.settled_mps = self.ekf.get(V);
+        self.settle();
         self.odometer_m += if believed { counted[0] } else { predicted_m }.abs();
         self.fast = false;
         self.trail_on();
@@ -331,6 +338,8 @@ impl Odometry {
             self.lean,
             self.felt_mps2,
             self.settled_mps,
+            self.told_m,
+            self.unfelt_s,
             self.tilt_mps2,
             self.odometer_m,
         ]);
@@ -377,6 +386,9 @@ impl Odometry {
         if elapsed_s <= 0.0 {
             return;
         }
+        if accel_mps2.is_none() {
+            self.unfelt_s += elapsed_s;
+        }
         let held_s = if known { elapsed_s } else { elapsed_s.min(HOLD_S) };
         let (_, turn_rad) = self.ekf.predict(held_s, accel_mps2);
         self.odometer_m += TURNING_ARM_M * turn_rad.abs();
@@ -385,6 +397,13 @@ impl Odometry {
             self.ekf.replace(OMEGA, 0.0, 1.0);
             self.ekf.predict(elapsed_s - held_s, None);
         }
+    }
+
+    /// Notes what the filter holds once it has heard an encoder sample.
+    fn settle(&mut self) {
+        self.settled_mps = self.ekf.get(V);
+        self.told_m = self.ekf.get(TRAVEL);
+        self.unfelt_s = 0.0;
     }
 
     /// Notes where the sample has led.

@@ -28,10 +28,30 @@ const LEAN_LIMIT: f64 = 0.8;
 /// Unexplained turn rates up to this, rad/s, may be a new bias of the gyro.
 const LARGEST_BIAS_STEP_RADPS: f64 = 0.2;
 
-/// How well a wheel's reported speed is the present one: m/s, and a share of it. A mean over 20 ms is
-/// 10 ms old, in which a plant of 2 m/s² changes by 0.02.
-pub(super) const SPEED_SIGMA_MPS: f64 = 0.01;
+/// How well a wheel's reported speed is the mean since its last sample, where the accelerometer tells how
+/// the speed changed meanwhile: m/s (its 0.3 m/s² for half of 20 ms), a share of the speed, and a share
+/// of the change: a ramp and a jump in the middle of 20 ms differ by none, one at the end of 10 of them by
+/// 0.25.
+const FELT_SIGMA_MPS: f64 = 0.003;
 const SPEED_SHARE: f64 = 0.02;
+const CHANGE_SHARE: f64 = 0.15;
+
+/// Where it does not, the speed changes by so much more: m/s², half of what the plant can do, up to the
+/// [`SPEED_SIGMA_MPS`] of a whole sample.
+const UNFELT_MPS2: f64 = 1.0;
+pub(super) const SPEED_SIGMA_MPS: f64 = 0.01;
+
+/// Speeds are means over no more than this, seconds: two samples.
+const MEAN_S: f64 = 0.05;
+
+/// The present speed as the filter has it, beside its mean since the last encoder sample.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lead {
+    /// By how much it is more than the mean, m/s.
+    ahead_mps: f64,
+    /// How well the mean is known, m/s.
+    sigma_mps: f64,
+}
 
 impl Odometry {
     /// Without a gyro: what the counters say beyond what has been predicted already becomes the speeds
@@ -49,6 +69,19 @@ impl Odometry {
         self.ekf.replace(OMEGA, turn_rad / left_s, 1.0);
     }
 
+    /// How the speed has changed since the last encoder sample, `elapsed_s` ago, by what the filter,
+    /// which has reached the present one, made of it.
+    pub(super) fn lead(&self, elapsed_s: f64) -> Lead {
+        if elapsed_s > MEAN_S || self.released.is_some() {
+            return Lead { ahead_mps: 0.0, sigma_mps: SPEED_SIGMA_MPS };
+        }
+        let mean_mps = (self.ekf.get(TRAVEL) - self.told_m) / elapsed_s;
+        let changed_mps = self.ekf.get(V) - self.settled_mps;
+        let unfelt_mps = (UNFELT_MPS2 * self.unfelt_s).min(SPEED_SIGMA_MPS - FELT_SIGMA_MPS);
+        let sigma_mps = FELT_SIGMA_MPS + unfelt_mps + CHANGE_SHARE * changed_mps.abs();
+        Lead { ahead_mps: self.ekf.get(V) - mean_mps, sigma_mps }
+    }
+
     /// Takes what the wheels did into the filter, which has reached their instant. False if it was not
     /// believed.
     pub(super) fn hear_wheels(
@@ -58,6 +91,7 @@ impl Odometry {
         gyro_is_heard: bool,
     ) -> bool {
         let counted = rolled.travel_and_turn(self.track_m);
+        let lead = self.lead(rolled.elapsed_s);
         let turned_rad = self.ekf.get(TURN) / (1.0 + self.ekf.get(TURN_GAIN));
         if rolled.jumped {
             self.encoder_gate.turn_away();
@@ -74,7 +108,7 @@ impl Odometry {
         if let Some(side) = dead {
             self.health.dead = Some((sample.stamp, side));
             self.at_odds = None;
-            return self.hear_one_wheel(sample, rolled, side);
+            return self.hear_one_wheel(sample, rolled, side, lead);
         }
         if rolled.standing() && !self.fast {
             self.stand_still(counted);
@@ -95,7 +129,7 @@ impl Odometry {
         self.ekf.update(&turn);
         self.carry_on(counted);
         if let Some(v_mps) = reported_speed_mps(sample) {
-            self.hear_speed(v_mps, [(V, 1.0), (V, 0.0)]);
+            self.hear_speed(v_mps, [(V, 1.0), (V, 0.0)], lead);
         }
         true
     }
@@ -128,6 +162,7 @@ impl Odometry {
         sample: &EncoderSample,
         rolled: &Rolled,
         dead: Side,
+        lead: Lead,
     ) -> bool {
         let (index, sign, speed_mps) = match dead {
             Side::Left => (1, 1.0, sample.right_mps),
@@ -147,7 +182,7 @@ impl Odometry {
             self.ekf.update(&z);
             if let Some(v_mps) = reported_mps(speed_mps) {
                 let gain = 1.0 + self.ekf.get(TURN_GAIN);
-                self.hear_speed(v_mps, [(V, 1.0), (OMEGA, arm_m * gain)]);
+                self.hear_speed(v_mps, [(V, 1.0), (OMEGA, arm_m * gain)], lead);
             }
         } else if self.encoder_gate.in_a_row > 50 {
             self.ekf.doubt(V, 1.0);
@@ -158,11 +193,12 @@ impl Odometry {
         believed
     }
 
-    /// A speed as the wheels report it.
-    pub(super) fn hear_speed(&mut self, v_mps: f64, of: [(usize, f64); 2]) {
+    /// A speed as the wheels report it: the mean since their last sample.
+    pub(super) fn hear_speed(&mut self, v_mps: f64, of: [(usize, f64); 2], lead: Lead) {
         let expected_mps = of[0].1 * self.ekf.get(of[0].0) + of[1].1 * self.ekf.get(of[1].0);
-        let sigma = SPEED_SIGMA_MPS + SPEED_SHARE * v_mps.abs();
-        let z = Measurement { of, innovation: v_mps - expected_mps, variance: sigma * sigma };
+        let sigma = lead.sigma_mps + SPEED_SHARE * v_mps.abs();
+        let innovation = v_mps + lead.ahead_mps - expected_mps;
+        let z = Measurement { of, innovation, variance: sigma * sigma };
         if z.innovation * z.innovation <= ONE_NUMBER * self.ekf.innovation_variance(&z) {
             self.ekf.update(&z);
         }

@@ -85,6 +85,33 @@ fn an_arc_is_followed_exactly() {
     }
 }
 
+/// Speeding up at 2 m/s² and braking again to rest: wheels tell the mean of 20 ms, which is 0.02 m/s behind,
+/// and the accelerometer what came since. Where all tell the truth, the estimate is the truth.
+#[test]
+fn reported_speeds_are_means_since_the_last_sample() {
+    let mut odometry = Odometry::new(Pose::default(), TRACK_M);
+    let [mut along_m, mut v_mps, mut before_m] = [0.0_f64; 3];
+    for t_ms in (0..=900).step_by(10) {
+        let accel_mps2 = match t_ms {
+            110..=400 => 2.0,
+            510..=800 => -2.0,
+            _ => 0.0,
+        };
+        if t_ms > 0 {
+            along_m += v_mps * 0.01 + 0.5 * accel_mps2 * 1e-4;
+            v_mps += accel_mps2 * 0.01;
+        }
+        odometry.imu(&ImuSample { accel_mps2: [accel_mps2, 0.0, 9.81], ..gyro(t_ms, 0.0) });
+        if t_ms % 20 == 0 {
+            let mean_mps = if t_ms > 0 { (along_m - before_m) / 0.02 } else { 0.0 };
+            odometry.encoders(&wheels(t_ms, along_m, 0.0, mean_mps, 0.0));
+            before_m = along_m;
+            let off_mps = odometry.estimate().v_mps - v_mps;
+            assert!(off_mps.abs() < 1e-9, "{t_ms} ms: {off_mps}");
+        }
+    }
+}
+
 /// Blind for 0.9 s on an arc of 0.8 rad/s. For the first 0.2 s the speed of before holds. The 0.35 m
 /// and 0.576 rad of the rest the counters tell of afterwards; the filter lays them along a mean
 /// direction of that time, which the chord's own is within ± a quarter of the turn of: 0.35 · 0.144 =
