@@ -147,8 +147,12 @@ impl Runner {
         // elsewhere.
         let estimated =
             Moving { pose: estimate.pose, speeds: [estimate.v_mps, estimate.omega_radps] };
-        let Moving { pose, speeds } =
+        let Moving { pose, mut speeds } =
             self.underway.foresee(&estimated, estimate.reached.unwrap_or(now), now);
+        // An exact speed has no noise.
+        if self.setup.spec.law == Law::Dynamic && self.setup.sensors == SensorSuite::Sonar {
+            speeds[0] = self.underway.settled_mps(speeds[0], now);
+        }
         self.senses.advance(now, t_s, &pose);
         step.sonars_unknown = self.senses.sonars_unknown();
         self.looked_from = Some(pose);

@@ -16,6 +16,16 @@ const CATCHING_UP_S: f64 = 0.05;
 /// More commands than this are never on their way at once.
 const MOST: usize = 512;
 
+/// Up to this speed, m/s, a robot under accelerations counts as all but at rest; and an estimate that is
+/// no farther than that, m/s, from what the commands have made of an earlier one differs by its noise: some
+/// mm/s. That is averaged over so many seconds, three samples of the wheels: chosen.
+const NEAR_REST_MPS: f64 = 0.03;
+const NOISE_MPS: f64 = 0.01;
+const NOISE_AVERAGED_S: f64 = 0.06;
+
+/// Less than this, m/s, is rounding.
+const ROUNDING_MPS: f64 = 1e-9;
+
 /// The commands that are on their way to the wheels, or in force there.
 #[derive(Clone, Debug)]
 pub(super) struct Underway {
@@ -26,6 +36,8 @@ pub(super) struct Underway {
     given: VecDeque<(Time, Drive)>,
     /// How many there are room for.
     most: usize,
+    /// The forward speed, m/s, that the last command of accelerations was to find.
+    found_mps: f64,
 }
 
 impl Underway {
@@ -35,7 +47,7 @@ impl Underway {
         let held = libm::ceil((delay_s + CATCHING_UP_S) / control_period_s);
         let most = (held as usize).min(MOST - 2) + 2;
         let delay = Span::from_seconds(delay_s);
-        Underway { plant, delay, given: VecDeque::with_capacity(most), most }
+        Underway { plant, delay, given: VecDeque::with_capacity(most), most, found_mps: f64::NAN }
     }
 
     /// Takes note of a command.
@@ -48,16 +60,20 @@ impl Underway {
 
     /// The robot as the command of `now` will find it: `robot` is how it was at `as_of`. From there it
     /// moves on along the commands that were given, each from the instant at which it takes effect
-    /// until the next one does, and at its speeds of then before the first of them. What is older than
-    /// half a second counts as half a second old. Where no time passes nothing changes, not a bit.
+    /// until the next one does, and at its speeds of then before the first of them. From what is older than
+    /// half a second it moves on for that long at its speeds of then. Where no time passes nothing changes,
+    /// not a bit.
     pub(super) fn foresee(&self, robot: &Moving, as_of: Time, now: Time) -> Moving {
         let mut robot = *robot;
         let finite = robot.speeds.iter().all(|speed| speed.is_finite());
         if !finite {
             return robot;
         }
-        let oldest = Time(now.0.saturating_sub(Span::from_seconds(HORIZON_S).0));
-        let mut reached = as_of.clamp(oldest, now);
+        let mut reached = as_of.min(now);
+        if now.since(reached) > Span::from_seconds(HORIZON_S) {
+            robot.pose = arc(&robot.pose, robot.speeds, HORIZON_S);
+            reached = now;
+        }
         let end = now + self.delay;
         // What was given after now was given by another clock.
         let mut coming = self.given.iter().filter(|(at, _)| *at <= now).peekable();
@@ -75,6 +91,30 @@ impl Underway {
         robot
     }
 
+    /// The forward speed that the command of `now` will find, where it has been foreseen from the estimate
+    /// as `foreseen_mps`. To come to rest a command takes away all the speed that there is thought to be; a
+    /// robot that is all but at rest would follow the noise of the estimate, one step after the other. So
+    /// there the estimate only corrects, by and by, what the last command is known to have led to.
+    pub(super) fn settled_mps(&mut self, foreseen_mps: f64, now: Time) -> f64 {
+        let expected_mps = match self.given.back() {
+            Some((at, Drive::Accelerations([forward, _]))) if *at < now => {
+                self.found_mps + forward * now.since(*at).seconds()
+            }
+            _ => f64::NAN,
+        };
+        let off_mps = foreseen_mps - expected_mps;
+        let noise = (ROUNDING_MPS..NOISE_MPS).contains(&libm::fabs(off_mps));
+        self.found_mps = foreseen_mps;
+        if noise
+            && libm::fabs(foreseen_mps) < NEAR_REST_MPS
+            && let Some((at, _)) = self.given.back()
+        {
+            let share = (now.since(*at).seconds() / NOISE_AVERAGED_S).min(1.0);
+            self.found_mps = expected_mps + share * off_mps;
+        }
+        self.found_mps
+    }
+
     pub(super) fn fold(&self, digest: &mut Digest, start: Time) {
         for (at, drive) in &self.given {
             digest.time(*at, start);
@@ -85,6 +125,7 @@ impl Underway {
             digest.word(kind);
             digest.numbers(numbers);
         }
+        digest.number(self.found_mps);
     }
 }
 
@@ -176,6 +217,44 @@ mod tests {
         let given = [(9.0, Drive::Velocities([0.7, 0.0]))];
         let end = underway(0.1, &given).foresee(&robot, at(-3.0), at(1.0));
         assert!((end.pose.x_m - 0.6 * 0.1).abs() < 1e-12, "{end:?}");
+    }
+
+    fn dynamic(found_mps: f64, forward_mps2: f64) -> Underway {
+        let mut underway = underway(0.1, &[]);
+        // Nothing is expected yet.
+        assert_eq!(underway.settled_mps(found_mps, at(0.99)).to_bits(), found_mps.to_bits());
+        underway.give(at(0.99), Drive::Accelerations([forward_mps2, 0.0]));
+        underway
+    }
+
+    /// A command of −0.4 m/s² for 10 ms takes 4 mm/s to rest. 3 mm/s that are foreseen instead count for a
+    /// sixth, 10 of 60 ms; what is no noise counts whole: more of it, or farther from rest, or next to none.
+    #[test]
+    fn a_robot_at_rest_does_not_follow_noise() {
+        let settled =
+            |found_mps, foreseen_mps| dynamic(found_mps, -0.4).settled_mps(foreseen_mps, at(1.0));
+        assert!((settled(0.004, 0.003) - 0.0005).abs() < 1e-12);
+        assert!((settled(0.004, -0.003) + 0.0005).abs() < 1e-12);
+        assert_eq!(settled(0.004, 0.011), 0.011);
+        assert_eq!(settled(0.044, 0.042), 0.042);
+        assert_eq!(settled(0.004, 1e-12), 1e-12);
+        assert!(settled(0.004, f64::NAN).is_nan());
+        assert_eq!(settled(f64::NAN, 0.003), 0.003);
+    }
+
+    /// What lasts is believed: after 0.3 s of the same, five times the time it is averaged over, all but
+    /// e⁻⁵ of it, and no command of velocities expects anything.
+    #[test]
+    fn what_lasts_is_no_noise() {
+        let mut underway = dynamic(0.0, 0.0);
+        for step in 100..130 {
+            underway.settled_mps(0.005, at(0.01 * f64::from(step)));
+            underway.give(at(0.01 * f64::from(step)), Drive::Accelerations([0.0, 0.0]));
+        }
+        let settled = underway.settled_mps(0.005, at(1.3));
+        assert!((settled - 0.005).abs() < 0.005 * 0.007, "{settled}");
+        underway.give(at(1.3), Drive::Velocities([0.0, 0.0]));
+        assert_eq!(underway.settled_mps(0.009, at(1.31)), 0.009);
     }
 
     /// Accelerations on their way change the speed that the next command finds.
