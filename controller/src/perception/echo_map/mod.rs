@@ -142,7 +142,9 @@ impl EchoMap {
         self.advanced_to = Some(now);
         self.advanced_at_m = odometry.odometer_m();
         self.place_pending(odometry);
-        self.points.age(now, odometry.odometer_m());
+        let cones = &self.cones;
+        self.points
+            .age(now, odometry.odometer_m(), |point| !cones.echoed_after(point.sonar, point.fired));
         self.cones.age(now, self.settings.lease_s);
         self.look(now, odometry.odometer_m(), about.position_m());
     }

@@ -34,6 +34,11 @@ const RESTING_HEARD: u8 = 2;
 /// An unconfirmed one this long: a sonar fires again after 0.32 s.
 const UNCONFIRMED_LIFE: Span = Span(400_000_000);
 
+/// … but one heard from as near as this, metres, may be someone who comes nearer still: while its sonar has
+/// heard nothing since it is remembered this long, for one of two sweeps may be silent.
+const COMING_NEAR_M: f64 = 0.5;
+const COMING_LIFE: Span = Span(720_000_000);
+
 /// Firings no farther apart than this may hear each other and do not confirm each other.
 const OTHER_FIRING: Span = Span(50_000_000);
 
@@ -273,11 +278,18 @@ impl Points {
         }
     }
 
-    /// Forgets what is too old at `now`, when the odometer stands at `odometer_m`.
-    pub(super) fn age(&mut self, now: Time, odometer_m: f64) {
+    /// Forgets what is too old at `now`, when the odometer stands at `odometer_m`. `silent_since` says
+    /// whether a point's sonar has heard no echo since.
+    pub(super) fn age(
+        &mut self,
+        now: Time,
+        odometer_m: f64,
+        silent_since: impl Fn(&Point) -> bool,
+    ) {
         self.kept.retain(|point| {
             let life = if !point.confirmed {
-                UNCONFIRMED_LIFE
+                let silent = point.range_m < COMING_NEAR_M && silent_since(point);
+                if silent { COMING_LIFE } else { UNCONFIRMED_LIFE }
             } else if point.heard >= RESTING_HEARD
                 && odometer_m - point.odometer_m <= RESTING_WITHIN_M
             {

@@ -100,6 +100,31 @@ fn echoes_are_forgotten() {
     }
 }
 
+/// What came as near as 0.5 m is remembered for 0.72 s while its sonar is silent, for it may be someone who
+/// comes nearer; once that sonar hears something else, or from farther away, for 0.4 s like all else.
+#[test]
+fn someone_near_is_not_forgotten_for_one_silence() {
+    for (range_m, heard_since, life_ms) in
+        [(0.4, None, 720), (0.4, Some(3.0), 400), (0.6, None, 400)]
+    {
+        let mut rig = Rig::new();
+        rig.sweep(&[(3, range_m)]);
+        let near = |rig: &mut Rig| {
+            rig.advance();
+            rig.map.near_points().any(|(disc, _)| disc.centre_m[0] < 1.0)
+        };
+        rig.wait(320);
+        match heard_since {
+            Some(range_m) => rig.say(3, range_m, true),
+            None => rig.say(3, 5.0, false),
+        }
+        rig.wait(life_ms - 320);
+        assert!(near(&mut rig), "{range_m} {heard_since:?}");
+        rig.wait(20);
+        assert!(!near(&mut rig), "{range_m} {heard_since:?}");
+    }
+}
+
 /// Something is confirmed, then is gone: the same sonars, ids 3 and 4, hear a wall behind. Their first echo
 /// is not confirmed and looks through nothing; of what follows two take away what was heard from farther
 /// than 1 m, edges of the cones too, and four what was heard from nearer.
