@@ -60,17 +60,19 @@ impl Side {
         self.queues.iter().map(VecDeque::len).sum()
     }
 
-    fn push(&mut self, event: &Stamped<Event>) {
+    /// Takes in an event; true for one that is compared.
+    fn push(&mut self, event: &Stamped<Event>) -> bool {
         let (topic, stamp, cells) = match &event.value {
             Event::Step(step) => (STEP, step.stamp, step_cells(step)),
             Event::Command(command) => {
                 self.accelerates.get_or_insert(command.accel.is_some());
                 (COMMAND, command.stamp, command_cells(command))
             }
-            _ => return,
+            _ => return false,
         };
         let key = i128::from(stamp.0) - i128::from(self.start.0);
         self.queues[topic].push_back(Waiting { key, cells });
+        true
     }
 }
 
@@ -180,14 +182,16 @@ impl Differ {
 
     /// Takes in the next event of the first run.
     pub fn a(&mut self, event: &Stamped<Event>) {
-        self.sides[0].push(event);
-        self.match_waiting();
+        if self.sides[0].push(event) {
+            self.match_waiting();
+        }
     }
 
     /// Takes in the next event of the second run.
     pub fn b(&mut self, event: &Stamped<Event>) {
-        self.sides[1].push(event);
-        self.match_waiting();
+        if self.sides[1].push(event) {
+            self.match_waiting();
+        }
     }
 
     /// Ends both runs.
@@ -228,6 +232,12 @@ impl Differ {
             fields,
             first_cause,
         })
+    }
+
+    /// Nothing follows on one side: what waits for it waits in vain.
+    fn end(&mut self, side: usize) {
+        self.sides[side].ended = true;
+        self.match_waiting();
     }
 
     fn match_waiting(&mut self) {
@@ -360,16 +370,15 @@ pub fn diff<E: From<CompareError>>(
         if !a.ended && (b.ended || a.waiting() <= b.waiting()) {
             match next_a()? {
                 Some(event) => differ.a(&event),
-                None => differ.sides[0].ended = true,
+                None => differ.end(0),
             }
         } else if !b.ended {
             match next_b()? {
                 Some(event) => differ.b(&event),
-                None => differ.sides[1].ended = true,
+                None => differ.end(1),
             }
         } else {
             return Ok(differ.finish()?);
         }
-        differ.match_waiting();
     }
 }

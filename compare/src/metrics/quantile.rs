@@ -10,11 +10,19 @@ const RANGE: [f64; 2] = [1e-9, 1e9];
 
 /// Weighted quantiles of sizes ≥ 0, to 1 %: bins whose edges are powers of a number (Masson, Rim and
 /// Lee, "`DDSketch`", PVLDB 12, 2019). At most some two thousand bins.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Sketch {
     bins: BTreeMap<i32, f64>,
     zero: f64,
     total: f64,
+    log_gamma: f64,
+}
+
+impl Default for Sketch {
+    fn default() -> Self {
+        let log_gamma = libm::log(GAMMA);
+        Sketch { bins: BTreeMap::new(), zero: 0.0, total: 0.0, log_gamma }
+    }
 }
 
 impl Sketch {
@@ -27,7 +35,7 @@ impl Sketch {
         if size < RANGE[0] {
             self.zero += weight;
         } else {
-            let power = libm::log(size.min(RANGE[1])) / libm::log(GAMMA);
+            let power = libm::log(size.min(RANGE[1])) / self.log_gamma;
             *self.bins.entry(libm::ceil(power) as i32).or_default() += weight;
         }
     }
