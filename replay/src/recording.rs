@@ -16,6 +16,7 @@ use simulator::{JOYSTICK_PERIOD, Request};
 
 use crate::ReplayError;
 use crate::angle::wrap;
+use crate::human::Explanations;
 pub(crate) use coverage::Coverage;
 
 /// The longest recording whose person can be brought back, ticks (six hours): a damaged time stamp
@@ -58,6 +59,7 @@ pub struct Recording {
     end: Time,
     plant: Option<Plant>,
     damage: Option<Arc<LogError>>,
+    explanations: Explanations,
 }
 
 impl Recording {
@@ -98,6 +100,7 @@ impl Recording {
             end,
             plant: None,
             damage: damage.map(Arc::new),
+            explanations: Explanations::default(),
         })
     }
 
@@ -120,6 +123,8 @@ impl Recording {
     pub fn in_world(mut self, world: World, explored: Option<Explored>) -> Recording {
         self.header.scenario.world = world;
         self.header.scenario.explored = explored;
+        // What the person may have been after depends on where one can stand.
+        self.explanations = Explanations::default();
         self
     }
 
@@ -136,6 +141,11 @@ impl Recording {
     /// What stands at the head of the log.
     pub fn header(&self) -> &Header {
         &self.header
+    }
+
+    /// What is known of its person already.
+    pub(crate) fn explanations(&self) -> &Explanations {
+        &self.explanations
     }
 
     /// Log time of the last event that was read.
@@ -170,11 +180,21 @@ impl Recording {
         let header = Header { run, params_toml: String::new(), scenario };
         let end = start.after_ns(moments.len() as u64 * JOYSTICK_PERIOD.0);
         let gaps = Vec::new();
-        Recording { header, moments, coverage: None, gaps, end, plant: None, damage: None }
+        Recording {
+            header,
+            moments,
+            coverage: None,
+            gaps,
+            end,
+            plant: None,
+            damage: None,
+            explanations: Explanations::default(),
+        }
     }
 
     #[cfg(test)]
     pub(crate) fn header_mut(&mut self) -> &mut Header {
+        self.explanations = Explanations::default();
         &mut self.header
     }
 

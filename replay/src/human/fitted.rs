@@ -1,7 +1,7 @@
 //! A person fitted to the log, with the recorded residual: abduction, action, prediction.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use schemas::Pose;
 
@@ -24,6 +24,29 @@ pub(crate) fn state_distance(a: &Pose, b: &Pose) -> f64 {
     libm::sqrt(dx * dx + dy * dy + turned * turned)
 }
 
+/// A recording's person explained, once for each gains: every arm and level of a comparison asks.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Explanations(Arc<Mutex<Known>>);
+
+type Known = Vec<(Gains, Arc<Explained>)>;
+
+impl Explanations {
+    /// Gains whose explanations are kept: the prior's and the pooled ones.
+    const KEPT: usize = 2;
+
+    fn of(&self, gains: Gains, explain: impl FnOnce() -> Explained) -> Arc<Explained> {
+        let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, explained)) = known().iter().find(|(of, _)| *of == gains) {
+            return Arc::clone(explained);
+        }
+        let explained = Arc::new(explain());
+        let mut known = known();
+        known.truncate(Explanations::KEPT - 1);
+        known.insert(0, (gains, Arc::clone(&explained)));
+        explained
+    }
+}
+
 /// The law with a person's goals, gains and habits.
 #[derive(Clone, Debug)]
 pub(crate) struct Fit {
@@ -34,7 +57,8 @@ pub(crate) struct Fit {
 
 impl Fit {
     pub(crate) fn new(recording: &Arc<Recording>, gains: Gains) -> Fit {
-        let explained = Arc::new(explain(recording, &gains, GRID_M, usize::MAX));
+        let explained =
+            recording.explanations().of(gains, || explain(recording, &gains, GRID_M, usize::MAX));
         Fit { recording: Arc::clone(recording), explained, gains }
     }
 
@@ -88,5 +112,32 @@ impl Model for Fitted {
         let distance = state_distance(&now.pose, &then.pose) / FADE;
         let weight = libm::exp(-0.5 * distance * distance);
         [0, 1].map(|axis| model[axis] + weight * (asked[axis] - recorded[axis]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::session::{record, scenario};
+    use schemas::SensorSuite;
+
+    /// One explanation for all who ask with the same gains; another world has its own.
+    #[test]
+    fn a_person_is_explained_once_for_each_gains() {
+        let log = record(&scenario("random:rect:goal:2", 3.0), "human", SensorSuite::Sonar);
+        let recording = Arc::new(Recording::read(log.open()).unwrap());
+        let other = Gains { k_theta: 2.0, ..Gains::PRIOR };
+        let [first, second, third] =
+            [Gains::PRIOR, other, Gains::PRIOR].map(|gains| Fit::new(&recording, gains));
+        assert!(Arc::ptr_eq(&first.explained, &third.explained));
+        assert!(!Arc::ptr_eq(&first.explained, &second.explained));
+        let anew = explain(&recording, &other, GRID_M, usize::MAX);
+        assert_eq!(second.explained.goals, anew.goals);
+        let empty = schemas::World::default();
+        let elsewhere = Arc::new(Recording::clone(&recording).in_world(empty, None));
+        let there = Fit::new(&elsewhere, other);
+        let anew = explain(&elsewhere, &other, GRID_M, usize::MAX);
+        assert!(!Arc::ptr_eq(&there.explained, &second.explained));
+        assert_eq!(there.explained.goals, anew.goals);
     }
 }

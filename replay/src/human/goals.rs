@@ -8,7 +8,7 @@
 
 use schemas::{Footprint, Pose, Scenario};
 
-use super::bearing::{Gains, Goal, Habits, ask};
+use super::bearing::{Gains, Goal, Habits, ask, ask_both};
 use crate::recording::{Moment, Recording, State};
 
 /// Ticks of the joystick in a block.
@@ -205,7 +205,11 @@ fn cheapest(
     let mut changed: Vec<u64> = Vec::with_capacity(words * blocks.len());
     let mut from = Vec::with_capacity(blocks.len());
     let mut costs = vec![0.0; candidates.len()];
+    let mut surprises = vec![0.0; candidates.len()];
     for block in blocks {
+        if let Some(block) = block {
+            surprise_all(candidates, block, gains, habits, &mut surprises);
+        }
         let (best, least) = least(&costs);
         from.push(best);
         let row = changed.len();
@@ -215,9 +219,8 @@ fn cheapest(
                 *cost = least + SWITCH;
                 changed[row + index / 64] |= 1 << (index % 64);
             }
-            if let Some(block) = block {
-                let model = ask(gains, habits, &candidates[index], &block.pose, block.t_s);
-                *cost += surprise(block.asked, model);
+            if block.is_some() {
+                *cost += surprises[index];
             }
         }
     }
@@ -230,6 +233,45 @@ fn cheapest(
         }
     }
     (path, cost)
+}
+
+/// What each candidate costs in a block.
+fn surprise_all(
+    candidates: &[Goal],
+    block: &Block,
+    gains: &Gains,
+    habits: &Habits,
+    surprises: &mut [f64],
+) {
+    let alone =
+        |goal: &Goal| surprise(block.asked, ask(gains, habits, goal, &block.pose, block.t_s));
+    // A point's bearing is the same for going there and for backing up to it, and the turn alone is
+    // often surprise enough.
+    let by_turn = |turn_radps: f64, speed_mps: &dyn Fn() -> f64| {
+        let omega = (block.asked[1] - turn_radps) / SIGMA[1];
+        if omega * omega >= TRUNCATED {
+            TRUNCATED
+        } else {
+            surprise(block.asked, [speed_mps(), turn_radps])
+        }
+    };
+    let ahead = candidates.iter().position(|goal| matches!(goal, Goal::At(_)));
+    let ahead = ahead.unwrap_or(candidates.len());
+    let points = (candidates.len() - ahead) / 2;
+    for (index, goal) in candidates.iter().enumerate() {
+        match *goal {
+            // Done together with going there.
+            Goal::BackTo(at_m)
+                if index >= points && candidates[index - points] == Goal::At(at_m) => {}
+            Goal::At(at_m) if candidates.get(index + points) == Some(&Goal::BackTo(at_m)) => {
+                let both = ask_both(gains, habits, at_m, &block.pose, by_turn);
+                let both =
+                    both.unwrap_or_else(|| [*goal, Goal::BackTo(at_m)].map(|goal| alone(&goal)));
+                [surprises[index], surprises[index + points]] = both;
+            }
+            _ => surprises[index] = alone(goal),
+        }
+    }
 }
 
 fn surprise(asked: [f64; 2], model: [f64; 2]) -> f64 {
@@ -246,4 +288,39 @@ fn least(costs: &[f64]) -> (usize, f64) {
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use schemas::Task;
+
+    proptest! {
+        /// Shortcuts change no candidate's cost, whatever the order of the candidates.
+        #[test]
+        fn each_candidate_costs_what_the_law_says(
+            points in prop::collection::vec(prop::array::uniform2(-3.0..3.0f64), 0..6),
+            (x_m, y_m, theta_rad) in (-3.0..3.0f64, -3.0..3.0f64, -7.0..7.0f64),
+            asked in prop::array::uniform2(prop_oneof![-1.5..1.5f64, Just(f64::NAN)]),
+            turned in any::<bool>(),
+        ) {
+            let task = Task { from_m: [1.0, 1.0], velocity_mps: [0.5, 0.0], until_s: 4.0 };
+            let mut candidates = vec![Goal::Rest, Goal::Follow(task)];
+            candidates.extend(points.iter().map(|at_m| Goal::At(*at_m)));
+            candidates.extend(points.iter().map(|at_m| Goal::BackTo(*at_m)));
+            if turned {
+                candidates.reverse();
+            }
+            let pose = Pose { x_m, y_m, theta_rad };
+            let block = Block { pose, t_s: 1.0, asked };
+            let habits = Habits { forward_mps: 0.4, backward_mps: 0.2, turn_radps: 1.2, slow_m: 0.5 };
+            let mut costs = vec![f64::NAN; candidates.len()];
+            surprise_all(&candidates, &block, &Gains::PRIOR, &habits, &mut costs);
+            for (goal, cost) in candidates.iter().zip(costs) {
+                let model = ask(&Gains::PRIOR, &habits, goal, &pose, 1.0);
+                prop_assert_eq!(cost.to_bits(), surprise(asked, model).to_bits());
+            }
+        }
+    }
 }

@@ -31,7 +31,7 @@ use simulator::Human;
 use crate::Recording;
 use anchored::Anchored;
 pub use bearing::Gains;
-pub(crate) use fitted::{Fit, Fitted, state_distance};
+pub(crate) use fitted::{Explanations, Fit, Fitted, state_distance};
 use follower::Follower;
 use path::Path;
 use playback::Playback;

@@ -81,9 +81,15 @@ fn beam(pose: &Pose, echo: &SonarEcho, aside_deg: f64) -> Option<([f64; 2], [f64
 }
 
 fn cell(middle_m: [f64; 2], at_m: [f64; 2]) -> Option<usize> {
+    const EDGE: f64 = HALF as f64;
     let index = |axis: usize| {
-        let cells = libm::floor((at_m[axis] - middle_m[axis]) / CELL_M) + f64::from(HALF);
-        (0.0 <= cells && cells < SIDE as f64).then_some(cells as usize)
+        let cells = (at_m[axis] - middle_m[axis]) / CELL_M;
+        if !(-EDGE..EDGE).contains(&cells) {
+            return None;
+        }
+        // Rounded down: a cast goes towards zero.
+        let whole = cells as i32;
+        Some((whole - i32::from(f64::from(whole) > cells) + HALF) as usize)
     };
     Some(index(1)? * SIDE + index(0)?)
 }
@@ -95,6 +101,32 @@ mod tests {
 
     fn echo(id: u8, range_m: f64) -> SonarEcho {
         SonarEcho { id, range_m, echo: range_m.is_finite(), fired: Time(0) }
+    }
+
+    /// A cell holds its lower edge and not its upper, on both sides of the middle; beyond the grid, and
+    /// nowhere, there are none.
+    #[test]
+    fn cells_are_rounded_down() {
+        let column = |x_m: f64| cell([0.0; 2], [x_m, 0.0]).map(|cell| cell % SIDE);
+        for (x_m, want) in [
+            (0.0, Some(256)),
+            (-0.0, Some(256)),
+            (0.099, Some(256)),
+            (0.1, Some(257)),
+            (-0.001, Some(255)),
+            (-0.1, Some(255)),
+            (-0.101, Some(254)),
+            (-1e-300, Some(255)),
+            (25.599, Some(511)),
+            (25.6, None),
+            (-25.6, Some(0)),
+            (-25.601, None),
+            (f64::NAN, None),
+            (f64::INFINITY, None),
+            (-1e300, None),
+        ] {
+            assert_eq!(column(x_m), want, "{x_m}");
+        }
     }
 
     /// Sonar 3 looks ahead, 10 degrees to the left: what it saw is known from elsewhere too, what
