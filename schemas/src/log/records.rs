@@ -29,6 +29,9 @@ pub(super) mod opcode {
 /// 128 KiB; other programs that rewrite a log use up to a few MiB.
 pub(super) const RECORD_LIMIT: u64 = 64 << 20;
 
+/// Up to so many bytes are asked for at once where there is room for them.
+const AT_ONCE: usize = 1 << 20;
+
 /// One record. Its body is in the [`Records`] it came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Record {
@@ -176,7 +179,23 @@ impl<R: Read> Records<R> {
     /// grows by what arrives, not by what is claimed.
     fn fill(&mut self, count: u64) -> io::Result<()> {
         self.body.clear();
-        self.at_byte += self.source.by_ref().take(count).read_to_end(&mut self.body)? as u64;
+        // Most records are small, and what reads to the end first looks where that is.
+        if count <= self.body.capacity().min(AT_ONCE) as u64 {
+            self.body.resize(count as usize, 0);
+            let mut filled = 0;
+            while filled < self.body.len() {
+                match self.source.read(&mut self.body[filled..]) {
+                    Ok(0) => break,
+                    Ok(read) => filled += read,
+                    Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                    Err(error) => return Err(error),
+                }
+            }
+            self.body.truncate(filled);
+        } else {
+            self.source.by_ref().take(count).read_to_end(&mut self.body)?;
+        }
+        self.at_byte += self.body.len() as u64;
         Ok(())
     }
 
