@@ -60,7 +60,10 @@ pub fn of_log(log: &Path) -> Result<(replay::Map, PlantEstimate)> {
     let name = || log.display().to_string();
     let plant = PlantEstimate::of_log(logs::open_raw(log).with_context(name)?);
     let map = replay::Map::of_log(logs::open_raw(log).with_context(name)?, &plant);
-    Ok((map.with_context(name)?, plant))
+    let map = map.with_context(name)?;
+    // What is written, or driven in, has to be a world.
+    map.scenario().check().with_context(name).context("the map is no sound world")?;
+    Ok((map, plant))
 }
 
 impl Map {

@@ -9,7 +9,7 @@ use super::walls::Face;
 /// Edge of a cell of the map, metres.
 const CELL_M: f64 = 0.05;
 
-/// Farther than this from the first place nothing is kept, metres.
+/// Farther than this from the middle of all places nothing is kept, metres.
 const FARTHEST_M: f64 = 30.0;
 
 /// A line of sight says nothing about the last bit before its end, metres.
@@ -38,18 +38,13 @@ pub(super) struct Raster<T> {
 }
 
 impl<T: Clone + Default> Raster<T> {
-    /// About some points, with a cell of margin; those too far from the first are left out.
+    /// About some points, with a cell of margin; those too far from the middle of all are left out.
     pub(super) fn about(points: impl Iterator<Item = [f64; 2]>, cell_m: f64) -> Raster<T> {
-        let mut first = None;
-        let (mut low_m, mut high_m) = ([0.0; 2], [0.0; 2]);
-        for point in points.filter(|point| point.iter().all(|x| x.is_finite())) {
-            let first = *first.get_or_insert_with(|| {
-                (low_m, high_m) = (point, point);
-                point
-            });
-            if distance_m(first, point) > FARTHEST_M {
-                continue;
-            }
+        let points: Vec<[f64; 2]> =
+            points.filter(|point| point.iter().all(|x| x.is_finite())).collect();
+        let middle_m = middle(&points);
+        let (mut low_m, mut high_m) = (middle_m, middle_m);
+        for point in points.iter().filter(|point| distance_m(middle_m, **point) <= FARTHEST_M) {
             for axis in 0..2 {
                 low_m[axis] = if point[axis] < low_m[axis] { point[axis] } else { low_m[axis] };
                 high_m[axis] = if point[axis] > high_m[axis] { point[axis] } else { high_m[axis] };
@@ -60,6 +55,20 @@ impl<T: Clone + Default> Raster<T> {
         let (columns, rows) = (count(0), count(1));
         Raster { cells: vec![T::default(); columns * rows], low_m, cell_m, columns, rows }
     }
+}
+
+/// The median along either axis, metres: one estimate that was far off, were it the first of all, moves it by
+/// no more than any other point does.
+fn middle(points: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|axis| {
+        let mut along_m: Vec<f64> = points.iter().map(|point| point[axis]).collect();
+        let half = along_m.len() / 2;
+        if along_m.is_empty() {
+            0.0
+        } else {
+            *along_m.select_nth_unstable_by(half, f64::total_cmp).1
+        }
+    })
 }
 
 impl<T> Raster<T> {
@@ -81,6 +90,26 @@ impl<T> Raster<T> {
             rows.flat_map(move |row| {
                 let columns = column.saturating_sub(1)..=(column + 1).min(self.columns - 1);
                 columns.map(move |column| row * self.columns + column)
+            })
+        })
+    }
+}
+
+impl<T> Raster<T> {
+    /// The cells whose middles lie no farther than so many cells from the middle of the one that holds a
+    /// point.
+    pub(super) fn within(&self, at_m: [f64; 2], reach: usize) -> impl Iterator<Item = usize> + '_ {
+        self.index(at_m).into_iter().flat_map(move |cell| {
+            let (row, column) = (cell / self.columns, cell % self.columns);
+            let about = move |at: usize, count: usize| {
+                at.saturating_sub(reach)..(at + reach + 1).min(count)
+            };
+            about(row, self.rows).flat_map(move |i| {
+                let inside = move |j: &usize| {
+                    let (up, aside) = (i.abs_diff(row), j.abs_diff(column));
+                    up * up + aside * aside <= reach * reach
+                };
+                about(column, self.columns).filter(inside).map(move |j| i * self.columns + j)
             })
         })
     }

@@ -51,27 +51,33 @@ pub(super) fn walkers(hits: &[Hit], faces: &[Face]) -> Vec<WalkedPath> {
     };
     let passing: Vec<&Hit> = hits.iter().filter(passing).collect();
     let mut tracks: Vec<Track> = Vec::new();
+    // Those that may go on: of an hour's walkers few are in sight.
+    let mut live: Vec<usize> = Vec::new();
     let mut at = 0;
     while at < passing.len() {
         let t_s = passing[at].view.t_s;
+        live.retain(|index| t_s - tracks[*index].last().0 <= LOST_S);
         let count = passing[at..].partition_point(|hit| hit.view.t_s < t_s + TOGETHER_S);
         for (t_s, centre_m) in clusters(&passing[at..at + count]) {
-            let nearest = tracks
-                .iter_mut()
-                .filter(|track| {
-                    let (last_s, last_m) = track.last();
+            let nearest = live
+                .iter()
+                .copied()
+                .filter(|index| {
+                    let (last_s, last_m) = tracks[*index].last();
                     let gone_s = t_s - last_s;
                     gone_s > 0.0
                         && gone_s <= LOST_S
                         && distance_m(last_m, centre_m) <= 0.2 + FASTEST_MPS * gone_s
                 })
                 .min_by(|a, b| {
-                    let away_m = |track: &Track| distance_m(track.last().1, centre_m);
+                    let away_m = |index: &usize| distance_m(tracks[*index].last().1, centre_m);
                     away_m(a).total_cmp(&away_m(b))
                 });
-            match nearest {
-                Some(track) => track.places.push((t_s, centre_m)),
-                None => tracks.push(Track { places: vec![(t_s, centre_m)] }),
+            if let Some(index) = nearest {
+                tracks[index].places.push((t_s, centre_m));
+            } else {
+                live.push(tracks.len());
+                tracks.push(Track { places: vec![(t_s, centre_m)] });
             }
         }
         at += count.max(1);
@@ -113,7 +119,7 @@ fn path(track: &Track) -> Option<WalkedPath> {
     if places.len() < FEWEST {
         return None;
     }
-    let smooth: Vec<[f64; 3]> = (0..places.len())
+    let mut smooth: Vec<[f64; 3]> = (0..places.len())
         .map(|i| {
             let about = &places[i.saturating_sub(2)..(i + 3).min(places.len())];
             let mean = |axis: usize| {
@@ -122,6 +128,8 @@ fn path(track: &Track) -> Option<WalkedPath> {
             [places[i].0, mean(0), mean(1)].map(|x| libm::round(x * 1000.0) / 1000.0)
         })
         .collect();
+    // Two places of one millisecond are one: a path does not go back, nor stand in two places.
+    smooth.dedup_by(|later, before| later[0] <= before[0]);
     let farthest_m = smooth
         .iter()
         .map(|[_, x, y]| distance_m([*x, *y], [smooth[0][1], smooth[0][2]]))
@@ -136,4 +144,24 @@ fn path(track: &Track) -> Option<WalkedPath> {
         && lasted_s >= LEAST_S
         && way_m <= FASTEST_MPS * lasted_s;
     walked.then_some(WalkedPath { radius_m: RADIUS_M, points: smooth })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two places within one millisecond are one in what is written; a path that goes back in time would
+    /// not be read again.
+    #[test]
+    fn times_of_a_path_increase_as_they_are_written() {
+        let mut places: Vec<(f64, [f64; 2])> =
+            (0..30).map(|i| (0.1 * f64::from(i), [0.05 * f64::from(i), 0.0])).collect();
+        places.insert(11, (1.000_2, [0.51, 0.0]));
+        places.insert(12, (1.000_4, [0.52, 0.0]));
+        let path = path(&Track { places }).expect("1.45 m in 2.9 s is a walk");
+        assert_eq!(path.points.len(), 30);
+        assert!(path.points.windows(2).all(|pair| pair[0][0] < pair[1][0]), "{:?}", path.points);
+        let world = schemas::World { paths: vec![path], ..schemas::World::default() };
+        world.check().expect("a world that can be read again");
+    }
 }

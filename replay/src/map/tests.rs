@@ -152,6 +152,30 @@ fn walkers_walk() {
     assert!(ghosts <= 1, "{ghosts}");
 }
 
+/// One bad estimate, were it the first, does not take the map away: where it is far off nothing is near it,
+/// and the rest stands.
+#[test]
+fn a_bad_pose_does_not_empty_the_map() {
+    let scenario = scenario("random:rect:explorer:108", 20.0);
+    let mut log = record(&scenario, "tandem-kinematic", SensorSuite::Sonar);
+    let whole = mapped(&log);
+    for bad_m in [1e4, -1e300, f64::INFINITY] {
+        let steps = log.events.iter_mut().filter_map(|event| match &mut event.value {
+            Event::Step(step) => Some(step),
+            _ => None,
+        });
+        for step in steps.take(3) {
+            (step.pose.x_m, step.pose.y_m) = (bad_m, -bad_m);
+        }
+        log.rewrite(&scenario);
+        let map = mapped(&log);
+        assert!(map.walls_m() > 0.8 * whole.walls_m(), "{bad_m}: {}", map.walls_m());
+        let score = score(&map, &scenario.world);
+        assert!(score.near_share() >= 0.75 && score.wrong_share() <= 0.05, "{bad_m}: {score:?}");
+        map.scenario().check().expect("a world that can be read again");
+    }
+}
+
 /// What is written can be read again, is a world that can be driven in, and says what is unknown.
 #[test]
 fn the_scenario_is_a_scenario() {

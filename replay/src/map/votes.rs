@@ -21,6 +21,13 @@ const NEAR_M: f64 = 0.12;
 /// So many other points confirm one.
 const CONFIRMED_BY: u32 = 3;
 
+/// So many are counted one by one. Where there are more, which only decides between walls that are certain
+/// all of them, cells are counted: of each the others would take an hour's square.
+const ONE_BY_ONE: usize = 400;
+
+/// Cells of that count within [`NEAR_M`].
+const FINE: usize = 6;
+
 /// Where an echo came from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Hit {
@@ -110,10 +117,15 @@ fn best(view: &View, through: &Raster<f32>, past: &Raster<f32>) -> Hit {
 
 /// Counts for each point the others about it.
 fn confirm(hits: &mut [Hit]) {
-    let mut places: Raster<Vec<u32>> = Raster::about(hits.iter().map(|hit| hit.at_m), NEAR_M);
+    let at_m = || hits.iter().map(|hit| hit.at_m);
+    let mut places: Raster<Vec<u32>> = Raster::about(at_m(), NEAR_M);
+    let mut fine: Raster<u32> = Raster::about(at_m(), NEAR_M / FINE as f64);
     for (index, hit) in hits.iter().enumerate() {
         if let Some(cell) = places.index(hit.at_m) {
             places.cells[cell].push(index as u32);
+        }
+        if let Some(cell) = fine.index(hit.at_m) {
+            fine.cells[cell] += 1;
         }
     }
     let counts: Vec<u32> = hits
@@ -121,10 +133,18 @@ fn confirm(hits: &mut [Hit]) {
         .map(|hit| {
             let near = places.around(hit.at_m).flat_map(|cell| &places.cells[cell]);
             let near = near.filter(|other| {
-                let other = &hits[**other as usize];
-                distance_m(other.at_m, hit.at_m) <= NEAR_M
+                let [x, y] = hits[**other as usize].at_m;
+                let [dx, dy] = [x - hit.at_m[0], y - hit.at_m[1]];
+                dx * dx + dy * dy <= NEAR_M * NEAR_M
             });
-            near.count() as u32 - 1
+            let counted = near.take(ONE_BY_ONE + 1).count() as u32;
+            let all = if counted as usize > ONE_BY_ONE {
+                counted.max(fine.within(hit.at_m, FINE).map(|cell| fine.cells[cell]).sum())
+            } else {
+                counted
+            };
+            // The point itself is among them, if it lies on the raster at all.
+            all.saturating_sub(1)
         })
         .collect();
     for (hit, others) in hits.iter_mut().zip(counts) {
@@ -134,4 +154,40 @@ fn confirm(hits: &mut [Hit]) {
 
 pub(super) fn distance_m(a: [f64; 2], b: [f64; 2]) -> f64 {
     libm::hypot(a[0] - b[0], a[1] - b[1])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hit(at_m: [f64; 2]) -> Hit {
+        let view =
+            View { t_s: 0.0, from_m: [0.0; 2], body_m: [0.0; 2], axis_rad: 0.0, range_m: 1.0 };
+        Hit { view, off_rad: 0.0, at_m, others: 0 }
+    }
+
+    /// Others within 12 cm are counted, few or many; a place that is off the map has none.
+    #[test]
+    fn others_are_counted() {
+        let mut few = [[0.0, 0.0], [0.1, 0.0], [0.0, 0.1], [0.3, 0.0], [1e9, 0.0]].map(hit);
+        confirm(&mut few);
+        assert_eq!(few.map(|hit| hit.others), [2, 1, 1, 0, 0]);
+        let mut many = vec![hit([0.0; 2]); 3000];
+        confirm(&mut many);
+        assert!(many.iter().all(|hit| hit.others == 2999));
+        // Of a wall of 10 points each centimetre those in 24 cm, which is 240, less itself; and of one ten
+        // times as dense ten times as many, to within a cell at either end.
+        for dense in [10, 100] {
+            let mut wall: Vec<Hit> = (0..100 * dense)
+                .map(|i| hit([f64::from(i) * 0.01 / f64::from(dense), 0.0]))
+                .collect();
+            confirm(&mut wall);
+            let middle = f64::from(wall[wall.len() / 2].others);
+            let expected = 24.0 * f64::from(dense);
+            assert!((middle - expected).abs() <= 2.0 * f64::from(dense) + 2.0, "{middle}");
+            // At its end it has half of them.
+            let end = f64::from(wall[0].others);
+            assert!((end - 0.5 * expected).abs() <= 2.0 * f64::from(dense) + 2.0, "{end}");
+        }
+    }
 }

@@ -142,10 +142,7 @@ pub(super) fn faces(hits: &[Hit], gathered: &Gathered, seen: &Evidence) -> Vec<F
         let near: Vec<u32> = places
             .around(centre_m)
             .flat_map(|cell| places.cells[cell].iter().copied())
-            .filter(|other| {
-                !taken[*other as usize]
-                    && distance_m(hits[*other as usize].at_m, centre_m) <= LOCAL_M
-            })
+            .filter(|other| distance_m(hits[*other as usize].at_m, centre_m) <= LOCAL_M)
             .collect();
         if near.len() < FEWEST {
             continue;
@@ -155,6 +152,10 @@ pub(super) fn faces(hits: &[Hit], gathered: &Gathered, seen: &Evidence) -> Vec<F
             taken[*member as usize] = true;
         }
         taken[seed as usize] = true;
+        // Later seeds look at what is left, not again and again at all there was.
+        for cell in &mut places.cells {
+            cell.retain(|index| !taken[*index as usize]);
+        }
         faces.extend(face);
     }
     // The longest first.
