@@ -146,6 +146,23 @@ proptest! {
         ..ProptestConfig::default()
     })]
 
+    /// What is left out on the way to the nearest thing changes nothing, to the bit.
+    #[test]
+    fn the_clearance_is_the_least_of_each_thing_alone(
+        world in world(), at_m in place(), theta_rad in -9.0..9.0, body in body(),
+    ) {
+        let pose = Pose { theta_rad, ..point(at_m) };
+        let alone = |world: World| world.clearance_static_m(&body, &pose);
+        let walls = world.room.iter().map(|wall| {
+            alone(World { room: vec![*wall], ..World::default() })
+        });
+        let obstacles = world.obstacles.iter().map(|obstacle| {
+            alone(World { obstacles: vec![obstacle.clone()], ..World::default() })
+        });
+        let want = walls.chain(obstacles).fold(f64::INFINITY, f64::min);
+        prop_assert_eq!(world.clearance_static_m(&body, &pose), want);
+    }
+
     /// From an admissible point a ray, grown by a radius or not, is free for a disc of that radius
     /// up to its end, and there the disc touches. An infinite ray is free for ever.
     #[test]

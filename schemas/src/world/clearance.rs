@@ -3,6 +3,10 @@
 use super::{HalfPlane, Obstacle, World, dot, minus, polygon, smaller};
 use crate::{Disc, Footprint, Pose};
 
+/// Bounds on distances are compared with this slack, metres, far above rounding: nothing is left out that
+/// might be the nearest.
+const HAIR_M: f64 = 1e-6;
+
 impl World {
     /// Signed distance, metres, from a footprint to everything, `t_s` seconds after the start of
     /// the session; negative in contact, +∞ in an empty world, NaN at a pose that is not finite.
@@ -35,7 +39,10 @@ impl World {
             least_m = smaller(least_m, body.to_wall_m(wall));
         }
         for obstacle in &self.obstacles {
-            least_m = smaller(least_m, body.to_obstacle_m(obstacle));
+            // What is farther than the nearest thing so far, told without its outline, is left out.
+            if body.at_least_m(obstacle) <= least_m + HAIR_M {
+                least_m = smaller(least_m, body.to_obstacle_m(obstacle));
+            }
         }
         least_m
     }
@@ -128,6 +135,24 @@ impl Body {
             }
         }
         libm::sqrt(least)
+    }
+
+    /// What the distance to a convex polygon surely is, metres: the gap between the box about its
+    /// corners and the square about the turning body.
+    fn at_least_m(&self, obstacle: &Obstacle) -> f64 {
+        let reach_m = self.half_length_m + self.half_width_m;
+        let mut least_m = f64::NEG_INFINITY;
+        for axis in 0..2 {
+            let (mut low_m, mut high_m) = (f64::INFINITY, f64::NEG_INFINITY);
+            for corner_m in &obstacle.corners_m {
+                low_m = smaller(low_m, corner_m[axis]);
+                high_m = if corner_m[axis] > high_m { corner_m[axis] } else { high_m };
+            }
+            for gap_m in [low_m - self.centre_m[axis], self.centre_m[axis] - high_m] {
+                least_m = if gap_m > least_m { gap_m } else { least_m };
+            }
+        }
+        least_m - reach_m
     }
 
     /// The widest gap along the axes of body and obstacle, metres; negative when they overlap.
