@@ -146,8 +146,9 @@ impl Faces {
     fn places(&self, [x, y]: [f32; 2]) -> [u32; HALF] {
         std::array::from_fn(|i| {
             let distance = x * self.normals_x[i] + y * self.normals_y[i];
-            let opposite = if distance < 0.0 { OPPOSITE } else { 0 };
-            self.rows[i] + opposite + cell_of(distance.abs())
+            // By its sign bit, without a comparison; a zero that is added leaves no negative one.
+            let negative = (distance + 0.0).to_bits() as i32 >> 31;
+            self.rows[i] + (negative as u32 & OPPOSITE) + cell_of(distance.abs())
         })
     }
 
@@ -263,6 +264,24 @@ mod tests {
         }
         let most = 2.0 * UNITS_PER_M * FARTHEST_M * UNITS_PER_1;
         assert!(most * std::f64::consts::FRAC_1_SQRT_2 < f64::from(farthest));
+    }
+
+    /// Votes go to the direction, or to the opposite one where the distance along it is negative.
+    #[test]
+    fn votes_go_to_the_side_where_the_point_is() {
+        let faces = Faces::new();
+        for (x, y) in
+            [(0, 0), (0, 1), (0, -1), (-1, 0), (700, -300), (-2_000, 1_500), (-9_000, 9_000)]
+        {
+            let places = faces.places([x as f32, y as f32]);
+            for (i, place) in places.into_iter().enumerate() {
+                let normal = [faces.normals_x[i] as i32, faces.normals_y[i] as i32];
+                let distance = x * normal[0] + y * normal[1];
+                let opposite = if distance < 0 { OPPOSITE } else { 0 };
+                let cell = (distance.unsigned_abs() / UNITS_PER_CELL).min(CELLS as u32);
+                assert_eq!(place, (i * ROW) as u32 + opposite + cell, "{x} {y} {i}");
+            }
+        }
     }
 
     /// Within half a cell of 5°, whichever way the wall stands; between −180° and 180°.
