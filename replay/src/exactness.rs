@@ -10,7 +10,7 @@ use schemas::{Event, Gap, GyroBiasStep, Noise, Sample, Scenario, SensorSuite, Sl
 use crate::session::{record_seeded, record_with_gaps, scenario};
 use crate::{Mode, Person, Recording, Replay};
 
-const SESSIONS: usize = 50;
+pub(crate) const SESSIONS: usize = 50;
 const KINDS: [&str; 3] = ["rect", "slant", "disc"];
 const DRIVERS: [&str; 6] = ["goal", "joystick", "hesitant", "flowing", "explorer", "tracker"];
 const CONTROLLERS: [&str; 5] =
@@ -39,7 +39,7 @@ fn fail(noise: &mut Noise, number: usize) {
 
 /// One of them: room, person, controller and fault go round at paces that have no factor in common,
 /// so that they meet in ever new ways.
-fn session(number: usize) -> (Scenario, &'static str, SensorSuite) {
+pub(crate) fn session(number: usize) -> (Scenario, &'static str, SensorSuite) {
     let (kind, driver) = (KINDS[number % 3], DRIVERS[number / 3 % 6]);
     let mut scenario = scenario(&format!("random:{kind}:{driver}:{}", 500 + number), 4.0);
     fail(&mut scenario.noise, number);

@@ -39,7 +39,7 @@ pub use horizon::Horizon;
 pub use human::{Gains, Person, Reaction};
 pub use map::Map;
 pub use outcome::{Deviation, Outcome};
-pub use plant::{Estimate, PlantEstimate};
+pub use plant::{AxisDoubt, Estimate, PlantDoubt, PlantEstimate};
 pub use recorded::setup;
 pub use recording::Recording;
 pub use window::{WarmUp, Window};

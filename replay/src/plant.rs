@@ -12,9 +12,12 @@
 //! parameters are those of least squared error, found on a grid that is refined; a parameter's range
 //! holds the values at which the error grows by no more than chance would have it.
 
+mod doubt;
 mod response;
 
 use std::io::Read;
+
+pub use doubt::{AxisDoubt, PlantDoubt};
 
 use schemas::log::{LogReader, Topic};
 use schemas::{Event, Plant, Sample, Time};
@@ -65,16 +68,15 @@ pub struct PlantEstimate {
 impl PlantEstimate {
     /// Identifies the plant of a log. What comes after damage is not looked at.
     pub fn of_log<R: Read>(log: LogReader<R>) -> PlantEstimate {
-        let start = log.header().run.start;
-        let mut log = log.only(&[Topic::Command, Topic::Encoders, Topic::Imu, Topic::Exact]);
-        let mut seen = Seen::new(start, log.header().scenario.robot.track_m);
-        while let Ok(Some(event)) = log.next_event() {
-            if event.at.seconds_since(start) > LOOK_S {
-                break;
-            }
-            seen.observe(&event.value);
-        }
-        seen.estimate()
+        let seen = Seen::in_log(log);
+        seen.estimate_of(&seen.fits())
+    }
+
+    /// What a log shows where it is clearly at odds with the plant that it claims; `None` where it is not, or
+    /// says nothing of it.
+    pub fn doubt<R: Read>(log: LogReader<R>) -> Option<PlantDoubt> {
+        let claimed = log.header().scenario.plant;
+        Seen::in_log(log).doubt(&claimed)
     }
 
     /// A plant with everything that the log shows in place of what was claimed.
@@ -132,6 +134,20 @@ impl Seen {
         }
     }
 
+    /// The beginning of a log.
+    fn in_log<R: Read>(log: LogReader<R>) -> Seen {
+        let start = log.header().run.start;
+        let mut log = log.only(&[Topic::Command, Topic::Encoders, Topic::Imu, Topic::Exact]);
+        let mut seen = Seen::new(start, log.header().scenario.robot.track_m);
+        while let Ok(Some(event)) = log.next_event() {
+            if event.at.seconds_since(start) > LOOK_S {
+                break;
+            }
+            seen.observe(&event.value);
+        }
+        seen
+    }
+
     fn observe(&mut self, event: &Event) {
         match event {
             Event::Command(command) => {
@@ -167,10 +183,13 @@ impl Seen {
         }
     }
 
-    fn estimate(&self) -> PlantEstimate {
-        let fits = [0, 1].map(|axis| {
+    fn fits(&self) -> [Option<Fit>; 2] {
+        [0, 1].map(|axis| {
             Fit::of(&self.commands[axis], &self.wheels[axis], self.accelerations, INDEPENDENT_S)
-        });
+        })
+    }
+
+    fn estimate_of(&self, fits: &[Option<Fit>; 2]) -> PlantEstimate {
         let of =
             |axis: usize, pick: fn(&Fit) -> Option<Estimate>| fits[axis].as_ref().and_then(pick);
         let (gain_v, gain_omega) = (of(0, |fit| fit.gain), of(1, |fit| fit.gain));

@@ -49,6 +49,8 @@ pub(super) struct Fit {
     pub(super) gain: Option<Estimate>,
     pub(super) delay_s: Option<Estimate>,
     pub(super) limit: Option<Estimate>,
+    /// Root mean square of what these leave unexplained, m/s or rad/s.
+    pub(super) rest: f64,
 }
 
 /// A command and a response, ready to be explained.
@@ -67,7 +69,7 @@ impl Fit {
         independent_s: f64,
     ) -> Option<Fit> {
         let (first_s, last_s) = (response.t_s.first()?, response.t_s.last()?);
-        if command.t_s.len() < 10 || response.t_s.len() < 50 || deviation(command) < LEAST_EXCITED {
+        if !says_something(command, response) {
             return None;
         }
         let worth = ((last_s - first_s) / independent_s).min(response.t_s.len() as f64);
@@ -108,8 +110,28 @@ impl Fit {
             }
             limit
         };
-        Some(Fit { gain: Some(gain), delay_s: Some(delay_s), limit: Some(limit) })
+        let rest = libm::sqrt(error / response.t_s.len() as f64);
+        Some(Fit { gain: Some(gain), delay_s: Some(delay_s), limit: Some(limit), rest })
     }
+}
+
+/// Root mean square of what a plant of these parameters leaves unexplained, m/s or rad/s; `None` where the
+/// log says nothing of it.
+pub(super) fn unexplained(
+    command: &Course,
+    response: &Course,
+    accelerations: bool,
+    (gain, delay_s, limit): (f64, f64, f64),
+) -> Option<f64> {
+    let axis = Axis { command, response, accelerations };
+    let error = says_something(command, response)
+        .then(|| axis.error(&Parameters { gain, delay_s, limit }))?;
+    Some(libm::sqrt(error / response.t_s.len() as f64))
+}
+
+/// Whether there is enough of both, and something was asked for.
+fn says_something(command: &Course, response: &Course) -> bool {
+    command.t_s.len() >= 10 && response.t_s.len() >= 50 && deviation(command) >= LEAST_EXCITED
 }
 
 impl Axis<'_> {

@@ -80,3 +80,75 @@ fn a_robot_at_rest_says_nothing() {
     assert_eq!(found, PlantEstimate::default());
     assert_eq!(found.applied_to(WORSE), WORSE);
 }
+
+/// What a log is at odds with that was recorded on one plant and claims another.
+fn doubted(
+    plant: Plant,
+    claimed: Plant,
+    controller: &str,
+    sensors: SensorSuite,
+) -> Option<PlantDoubt> {
+    let mut scenario = scenario("random:rect:joystick:3", 20.0);
+    scenario.plant = plant;
+    let mut log = record(&scenario, controller, sensors);
+    scenario.plant = claimed;
+    log.rewrite(&scenario);
+    PlantEstimate::doubt(log.open())
+}
+
+/// No session whose plant is what it claims to be is doubted, whatever its sensors get wrong: dead encoders,
+/// bursts of slip, a bias that jumps, under every controller.
+#[test]
+fn a_claim_that_holds_is_not_doubted() {
+    for number in 0..crate::exactness::SESSIONS + 14 {
+        let (mut scenario, controller, sensors) = crate::exactness::session(number);
+        scenario.duration_s = 8.0;
+        let log = crate::session::record_seeded(&scenario, controller, sensors, number as u64);
+        let what = format!("{number}: {} with {controller}, {sensors:?}", scenario.name);
+        if let Some(doubt) = PlantEstimate::doubt(log.open()) {
+            panic!("{what}: {doubt}");
+        }
+    }
+}
+
+/// A robot that answers late, accelerates slowly or slips is not the one that follows at once, nor the other
+/// way round; what is said of it names what it is about.
+#[test]
+fn a_claim_that_does_not_hold_is_doubted() {
+    let ideal = Plant::default();
+    let late = Plant { actuator_delay_s: 0.2, ..ideal };
+    let limits_acceleration = true;
+    let slow = Plant { limits_acceleration, accel_max_mps2: 0.4, alpha_max_radps2: 1.5, ..ideal };
+    let slipping = Plant { slip: 0.1, ..ideal };
+    let plants = [
+        (late, "delay "),
+        (slow, "acceleration 0."),
+        (WORSE, "acceleration 0."),
+        (slipping, "slip 0.1"),
+    ];
+    for (plant, said) in plants {
+        for sensors in [SensorSuite::Sonar, SensorSuite::Exact] {
+            for controller in ["human", "tandem-kinematic"] {
+                let what = format!("{plant:?} {controller} {sensors:?}");
+                let doubt = doubted(plant, ideal, controller, sensors).expect(&what);
+                assert!(doubt.to_string().contains(said), "{what}: {doubt}");
+                assert_eq!(doubt.claimed, ideal);
+                doubted(ideal, plant, controller, sensors).expect(&what);
+            }
+        }
+    }
+    // Under a law that commands accelerations too; but what keeps to a limit does not show it.
+    let doubt = doubted(late, ideal, "tandem-dynamic", SensorSuite::Sonar).expect("late");
+    assert!(doubt.to_string().contains("delay 0.2"), "{doubt}");
+    assert_eq!(doubted(slow, ideal, "tandem-dynamic", SensorSuite::Sonar), None);
+}
+
+/// What is driven instead is not doubted.
+#[test]
+fn what_the_log_shows_does_what_the_log_shows() {
+    for sensors in [SensorSuite::Sonar, SensorSuite::Exact] {
+        let doubt = doubted(WORSE, Plant::default(), "human", sensors).expect("another plant");
+        let mended = doubt.found.applied_to(Plant::default());
+        assert_eq!(doubted(WORSE, mended, "human", sensors), None, "{mended:?}");
+    }
+}
