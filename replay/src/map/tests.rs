@@ -124,12 +124,14 @@ fn nothing_but_echoes_and_estimates_goes_into_it() {
 }
 
 /// Walkers are no walls: they are followed, and found again within their own breadth of where they
-/// were; rooms without them have none.
+/// were; rooms without them have none. About one is followed in each session (46 in 40 of `docs/mapping.md`),
+/// with much chance about it: of sixteen sessions, with every kind of person, half as many are asked for.
 #[test]
 fn walkers_walk() {
     let (mut followed, mut off_m) = (0, Vec::new());
-    for n in [111, 112, 113, 114] {
-        let scenario = scenario(&format!("random:disc:flowing:{n}"), 30.0);
+    let people = ["joystick", "explorer", "flowing", "tracker"];
+    for (n, person) in (111..=114).flat_map(|n| people.map(|person| (n, person))) {
+        let scenario = scenario(&format!("random:disc:{person}:{n}"), 30.0);
         let map = mapped(&record(&scenario, "tandem-kinematic", SensorSuite::Sonar));
         for path in &map.world().paths {
             followed += 1;
@@ -141,7 +143,7 @@ fn walkers_walk() {
     }
     off_m.sort_by(f64::total_cmp);
     println!("{followed} followed, {:?} {:?}", off_m[off_m.len() / 2], off_m[off_m.len() * 9 / 10]);
-    assert!(followed >= 4, "{followed}");
+    assert!(followed >= 8, "{followed}");
     assert!(off_m[off_m.len() / 2] <= 0.25, "{off_m:?}");
     let mut ghosts = 0;
     for n in [121, 122, 123, 124] {
