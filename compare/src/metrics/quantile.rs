@@ -103,6 +103,27 @@ mod tests {
     }
 
     #[test]
+    fn what_weighs_nothing_or_less_does_not_count() {
+        let mut sketch = Sketch::default();
+        sketch.add(5.0, 1.0);
+        sketch.add(1.0, -5.0);
+        sketch.add(1.0, f64::NAN);
+        let all = sketch.quantile(0.5).expect("not empty");
+        assert!((all / 5.0 - 1.0).abs() < 0.0102, "{all}");
+    }
+
+    #[test]
+    fn below_a_billionth_is_nothing() {
+        let of = |size: f64| {
+            let mut sketch = Sketch::default();
+            sketch.add(size, 1.0);
+            sketch.quantile(0.5)
+        };
+        assert_eq!(of(0.9e-9), Some(0.0));
+        assert!(of(1e-9).is_some_and(|size| (size / 1e-9 - 1.0).abs() < 0.0102));
+    }
+
+    #[test]
     fn nearest_ranks_are_values() {
         assert_eq!(nearest_rank(&[], 0.5), None);
         let values = [4.0, 1.0, 3.0, 2.0];

@@ -147,6 +147,54 @@ fn rises_of_the_lyapunov_function_are_counted_where_the_theorem_holds() {
     close(law(&[3.0, 2.0], |_, _| {}).metric("lyapunov_worst"), 0.0);
 }
 
+/// Within 0.1 s at 0.7 m/s a distance changes by 0.14 m at most, early and late in a run; of one instant twice
+/// nothing is said; and a rise of just 1e-6 is rounding.
+#[test]
+fn what_cannot_be_driven_in_a_step_is_a_jump() {
+    for (jump_m, rises) in [(0.13, 1.0), (0.15, 0.0), (0.2, 0.0)] {
+        let mut values = [3.0; 12];
+        values[11] = 4.0;
+        let run = law(&values, |i, step| {
+            if i == 11 {
+                step.d2l_m += jump_m;
+            }
+        });
+        close(run.metric("lyapunov_increases"), rises);
+    }
+    let mut twice = law(&[1.0], |_, _| {});
+    twice.events.extend(law(&[2.0], |_, _| {}).events);
+    assert_eq!(twice.metric("lyapunov_increases"), None);
+    close(law(&[0.0, 1e-6], |_, _| {}).metric("lyapunov_increases"), 0.0);
+    close(law(&[0.0, 1.1e-6], |_, _| {}).metric("lyapunov_increases"), 1.0);
+}
+
+/// A rise at 1.1 s and a hand that moves at 0.1 and 1.2 s are in the profile then.
+#[test]
+fn rises_and_the_hand_are_in_the_profile() {
+    let mut values = [3.0; 20];
+    values[11] = 4.0;
+    let mut run = law(&values, |_, _| {});
+    run.events.extend(
+        joystick(&[(0.0, 0.0, 0.0), (0.1, 0.7, 0.0), (1.1, 0.7, 0.0), (1.2, -0.7, 0.0)])
+            .events
+            .into_iter()
+            .filter(|event| matches!(event.value, Event::Sample(_))),
+    );
+    run.events.sort_by_key(|event| event.at);
+    let measured = run.measured();
+    for (name, want) in [
+        ("lyapunov_increases", vec![0.0, 1.0]),
+        ("operator_effort", vec![1.0, 2.0]),
+        // 0.1, 0.2 at most, and 0.1 s watched.
+        ("operator_reversals_per_min", vec![0.0, 150.0]),
+    ] {
+        let i = crate::metrics::CATALOGUE.iter().position(|row| row.name == name).expect(name);
+        let got = measured.profile.contributions(i, 1.0);
+        let same = got.iter().zip(&want).all(|(got, want)| (got - want).abs() < 1e-9);
+        assert!(got.len() == want.len() && same, "{name}: {got:?}");
+    }
+}
+
 #[test]
 fn the_theorem_does_not_speak_of_moving_discs() {
     let mut scenario = scenario();
@@ -206,6 +254,17 @@ fn reversals_are_changes_of_sign_beyond_a_twentieth() {
         (1.0, -0.5, -1.0),
     ]);
     close(run.metric("operator_reversals_per_min"), 120.0);
+}
+
+/// The time is that of the samples, 0.1 s apart; a twentieth itself is within the band; the first sign is no
+/// change of one.
+#[test]
+fn reversals_are_counted_over_the_time_of_the_samples() {
+    let turns = [1.0, -1.0, 1.0, -0.1, 1.0, 1.0, -1.0, -1.0, -1.0, -1.0, -1.0];
+    let samples: Vec<_> =
+        turns.iter().enumerate().map(|(i, turn)| (i as f64 * 0.1, 0.0, *turn)).collect();
+    // Three in one second.
+    close(joystick(&samples).metric("operator_reversals_per_min"), 180.0);
 }
 
 #[test]
