@@ -1,6 +1,8 @@
 //! Contract: the courses of `course.rs` end as the controller's documentation says (section 9). A few
-//! rides of each are driven here; the table there, by `cargo run --release --example aimed`, has them all.
-//! Rates that the documentation gives as other than 0 are bounded, not repeated.
+//! rides of each are driven here, of those with people all; the table there, by
+//! `cargo run --release --example aimed`, has them all. Where it has a rate other than 0, the bound here is
+//! the next larger round one: rides are the same in every run, so that a bound is kept or broken, never
+//! by chance.
 
 mod course;
 
@@ -39,11 +41,20 @@ fn corners_that_echo_are_not_touched() {
     each(&corner(&[-0.25, 0.25], 0.7, 3), |tally| 100 * tally.touched <= tally.runs);
 }
 
-/// … and that does not echo: there is no cure with sonars alone, and few rides end there. The bound is
-/// three times what the documentation has.
+/// … and that does not echo: there is no cure with sonars alone, and few rides end there. Of all rides
+/// 0.2 % (kinematic) and 1.2 % (dynamic) touch: here at most 2 %.
 #[test]
 fn silent_corners_are_mostly_missed() {
-    each(&corner(&[-0.25, 0.25], 0.0, 3), |tally| 20 * tally.touched <= tally.runs);
+    each(&corner(&[-0.25, 0.25], 0.0, 3), |tally| 50 * tally.touched <= tally.runs);
+}
+
+/// The front edge at a corner: straight ahead no cone looks from nearer than 0.6 m. Of all rides 2.2 % touch
+/// one that echoes, 6.9 % one that does not (the worse of both versions): here at most 3 % and 8 %.
+#[test]
+fn what_is_straight_ahead_is_mostly_missed() {
+    let front = [-0.2, -0.1, 0.0, 0.1, 0.2];
+    each(&corner(&front, 0.7, 2), |tally| 100 * tally.touched <= 3 * tally.runs);
+    each(&corner(&front, 0.0, 2), |tally| 100 * tally.touched <= 8 * tally.runs);
 }
 
 #[test]
@@ -65,20 +76,20 @@ fn what_is_seen_is_not_touched() {
     each(&with_exact_rays(crossing(3)), |tally| tally.touched == 0 && tally.ran_into == 0);
 }
 
-/// With sonars a start in a tight place ends in contact in at most 0.5 % of rides.
+/// With sonars a start in a tight place ends in contact in at most 0.5 % of rides: one of 200. Of 60 that
+/// means none: the dynamic version, which steps ten times as often, gets fewer rides here.
 #[test]
 fn tight_places_are_left_without_contact() {
     let few = |tally: &Tally| 200 * tally.touched <= tally.runs;
     with("tandem-kinematic", &tight(100), few);
-    with("tandem-dynamic", &tight(30), few);
+    with("tandem-dynamic", &tight(30), |tally| tally.touched == 0);
 }
 
-/// With sonars nobody who crosses is run into. A robot that commands accelerations does not know its speed
-/// better than by some mm/s: at rest before someone it may move towards them by as much.
+/// With sonars nobody who crosses is run into: no contact begins while the robot's velocity has a component
+/// above 1 mm/s towards them.
 #[test]
 fn people_who_cross_are_not_run_into() {
-    with("tandem-kinematic", &crossing(6), |tally| tally.touched == 0 && tally.ran_into == 0);
-    with("tandem-dynamic", &crossing(2), |tally| tally.touched == 0 && tally.towards_mps < 0.005);
+    each(&crossing(18), |tally| tally.touched == 0 && tally.ran_into == 0);
 }
 
 /// With sonars a doorway 0.1 m wider than the body is passed or stopped before.
