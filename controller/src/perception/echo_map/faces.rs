@@ -147,8 +147,8 @@ impl Faces {
         std::array::from_fn(|i| {
             let distance = x * self.normals_x[i] + y * self.normals_y[i];
             // By its sign bit, without a comparison; a zero that is added leaves no negative one.
-            let negative = (distance + 0.0).to_bits() as i32 >> 31;
-            self.rows[i] + (negative as u32 & OPPOSITE) + cell_of(distance.abs())
+            let negative = (distance + 0.0).to_bits().cast_signed() >> 31;
+            self.rows[i] + (negative.cast_unsigned() & OPPOSITE) + cell_of(distance.abs())
         })
     }
 
