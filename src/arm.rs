@@ -11,12 +11,12 @@ use std::sync::Arc;
 use anyhow::{Context as _, Result, anyhow};
 use compare::{CATALOGUE, Diff, LevelPair, LogPair, Measured, Meter, Tolerances};
 use controller::{Runner, Spec};
-use replay::{Faults, Gains, Mode, Person, Recording, Replay};
+use replay::{Faults, Gains, Mode, Person, PlantDoubt, PlantEstimate, Recording, Replay};
 use schemas::log::LogReader;
 use schemas::{Event, Header, Reason, Scenario, Stamped, Step, Time};
 
 use crate::cli::Common;
-use crate::command::replay::replay_header;
+use crate::command::replay::{PlantName, replay_header};
 use crate::controller_choice::ControllerChoice;
 use crate::explain::trace;
 use crate::fleet::watch;
@@ -166,16 +166,40 @@ struct Log<'a> {
     header: Header,
     /// The person, for closed loop: read once for all arms and levels.
     recording: Option<Arc<Recording>>,
+    /// Where the log contradicts the plant that is driven.
+    plant_doubt: Option<PlantDoubt>,
 }
 
 impl<'a> Log<'a> {
-    fn read(path: &'a Path, modes: &[Mode]) -> Result<Log<'a>> {
+    fn read(path: &'a Path, modes: &[Mode], plant: PlantName) -> Result<Log<'a>> {
         let header = logs::open(path)?.header().clone();
         let closed = modes.iter().any(|mode| matches!(mode, Mode::Closed(_)));
         // Whoever replays a log that cannot be read to its end reports that for each arm.
         let recording = closed.then(|| Recording::read(logs::open_raw(path)?)).transpose();
-        Ok(Log { path, header, recording: recording.ok().flatten().map(Arc::new) })
+        let driven = match recording.ok().flatten() {
+            None => None,
+            Some(recording) => Some(driven(path, recording, plant)?),
+        };
+        let (recording, plant_doubt) = driven.unzip();
+        let (recording, plant_doubt) = (recording.map(Arc::new), plant_doubt.flatten());
+        Ok(Log { path, header, recording, plant_doubt })
     }
+}
+
+/// A recording on the plant that was asked for, and where its log contradicts that.
+pub fn driven(
+    path: &Path,
+    recording: Recording,
+    plant: PlantName,
+) -> Result<(Recording, Option<PlantDoubt>)> {
+    Ok(match plant {
+        PlantName::Recorded => (recording, PlantEstimate::doubt(logs::open_raw(path)?)),
+        PlantName::Identified => {
+            let found = PlantEstimate::of_log(logs::open_raw(path)?);
+            let claimed = recording.header().scenario.plant;
+            (recording.on_plant(found.applied_to(claimed)), None)
+        }
+    })
 }
 
 /// Both arms of one log, walked side by side: measured, and compared step by step; for each mode in
@@ -185,14 +209,16 @@ pub fn pair(
     choices: (&ControllerChoice, &ControllerChoice),
     modes: &[Mode],
     faults: &Faults,
+    plant: PlantName,
 ) -> Result<LogPair> {
-    let log = Log::read(path, modes)?;
+    let log = Log::read(path, modes, plant)?;
     let levels = modes.iter().map(|mode| level(&log, choices, *mode, faults)).collect();
     Ok(LogPair {
         log: path.display().to_string(),
         operator: log.header.run.operator.clone(),
         hash: logs::hash_file(path)?,
         recorded: if log.recording.is_some() { recorded_by(&log, choices.0)? } else { None },
+        plant_doubt: log.plant_doubt.map(|doubt| doubt.to_string()),
         scenario: Some(log.header.scenario),
         levels,
     })
@@ -202,10 +228,10 @@ pub fn pair(
 pub fn write_side_by_side(
     path: &Path,
     choices: [&ControllerChoice; 2],
-    (mode, faults): (Mode, &Faults),
+    (mode, faults, plant): (Mode, &Faults, PlantName),
     output: &Path,
 ) -> Result<()> {
-    let log = Log::read(path, &[mode])?;
+    let log = Log::read(path, &[mode], plant)?;
     let hash = logs::hash_file(path)?;
     let header = |choice: &ControllerChoice| match choice {
         ControllerChoice::Recorded => Ok(log.header.clone()),

@@ -14,8 +14,9 @@ use controller::Spec;
 use replay::{Faults, Mode, Recording, Replay};
 use toml::Table;
 
-use crate::arm::{caught, made};
+use crate::arm::{caught, driven, made};
 use crate::cli::Common;
+use crate::command::replay::PlantName;
 use crate::controller_choice::ControllerChoice;
 use crate::fleet::watch;
 use crate::{fleet, interrupt, logs, output};
@@ -36,6 +37,8 @@ struct Log {
 pub struct How {
     /// The mode.
     pub mode: Mode,
+    /// The plant that every run drives.
+    pub plant: PlantName,
     /// What every run is put under.
     pub faults: Faults,
     /// After how long a controller that does not answer is given up.
@@ -70,8 +73,8 @@ pub fn attribute(
     paths: &[PathBuf],
     how: How,
 ) -> Result<Vec<Swap>> {
-    let How { mode, faults, hang_after } = how;
-    let read = fleet::each(common, paths, "reading", |path| Log::read(path, (a, b), mode));
+    let How { mode, plant, faults, hang_after } = how;
+    let read = fleet::each(common, paths, "reading", |path| Log::read(path, (a, b), (mode, plant)));
     // A log that cannot be read is reported by the comparison itself.
     let logs: Vec<Arc<Log>> = read.into_iter().filter_map(Result::ok).map(Arc::new).collect();
     let mut keys = BTreeSet::new();
@@ -122,12 +125,15 @@ impl Log {
     fn read(
         path: &Path,
         (a, b): (&ControllerChoice, &ControllerChoice),
-        mode: Mode,
+        (mode, plant): (Mode, PlantName),
     ) -> Result<Log> {
         let header = logs::open(path)?.header().clone();
         let recording = match mode {
             Mode::Open => None,
-            Mode::Closed(_) => Some(Arc::new(Recording::read(logs::open_raw(path)?)?)),
+            Mode::Closed(_) => {
+                let recording = Recording::read(logs::open_raw(path)?)?;
+                Some(Arc::new(driven(path, recording, plant)?.0))
+            }
         };
         let (a, b) = (a.for_log(&header)?, b.for_log(&header)?);
         Ok(Log { path: path.to_owned(), recording, header, a, b })

@@ -178,6 +178,7 @@ pub(crate) fn pair(log: &str, a: &Run, b: &Run) -> crate::LogPair {
         (b.header.run.start, || Ok(next_b.next())),
     );
     crate::LogPair {
+        plant_doubt: None,
         log: log.to_owned(),
         operator: String::new(),
         hash: String::new(),

@@ -18,7 +18,7 @@ use schemas::Header;
 use side_by_side::SideBySide;
 
 use crate::cli::Common;
-use crate::command::replay::{HumanName, ModeName, patience};
+use crate::command::replay::{HumanName, ModeName, PlantName, patience};
 use crate::controller_choice::ControllerChoice;
 use crate::faults::FaultArgs;
 use crate::fleet::watch;
@@ -66,6 +66,9 @@ pub struct Compare {
     /// Give up on a controller that does not answer for so many seconds; its log then has failed
     #[arg(long, default_value = "30", value_name = "SECONDS", value_parser = patience)]
     pub hang_after: Duration,
+    /// The plant of a closed loop, for both arms: the one that each log claims, or the one that it shows
+    #[arg(long, value_enum, default_value_t = PlantName::Recorded)]
+    pub plant: PlantName,
     #[command(flatten)]
     pub faults: FaultArgs,
     /// TOML file that says how much worse B may be; it then decides the exit status
@@ -108,6 +111,9 @@ impl Compare {
                 "in open loop the robot moves as recorded whichever controller is asked: nothing is said \
                  of safety and motion, and no gate on them can fail; --mode closed asks about those",
             );
+        }
+        if let Some(doubts) = comparison.plant_doubts() {
+            output::note(&format!("warning: {}", doubts.trim_start_matches("! ")));
         }
         output::print(common, &comparison, report::terminal)?;
         if interrupt::pressed() {
@@ -165,6 +171,10 @@ impl Compare {
         ensure!(!self.logs.is_empty() || self.b.is_none(), "no log to compare A and B on");
         self.refuse_copies()?;
         let faults = self.faults.faults()?;
+        ensure!(
+            self.plant == PlantName::Recorded || (self.mode == ModeName::Closed && !self.self_test),
+            "--plant goes with a comparison of logs in closed loop"
+        );
         let recorded = [&self.a, self.b()].contains(&&ControllerChoice::Recorded);
         ensure!(
             faults.is_empty() || !recorded,
@@ -196,12 +206,18 @@ impl Compare {
             provenance,
             gate,
             faults: faults.names(),
+            plant: match (self.mode, self.plant) {
+                (ModeName::Open, _) => String::new(),
+                (ModeName::Closed, PlantName::Recorded) => "recorded".to_owned(),
+                (ModeName::Closed, PlantName::Identified) => "identified".to_owned(),
+            },
         };
         let mut comparison = ::compare::compare(&question, pairs)?;
         comparison.self_test = self_test;
         if self.attribute {
             let how = attribution::How {
                 mode: shown(&modes),
+                plant: self.plant,
                 faults: faults.clone(),
                 hang_after: self.hang_after,
             };
@@ -213,7 +229,7 @@ impl Compare {
             let shown = shown(&modes);
             folder.write(&mut comparison, usize::from(self.ab), |log, output| {
                 let arms = [&self.a, self.b()];
-                arm::write_side_by_side(&self.logs[log], arms, (shown, &faults), output)
+                arm::write_side_by_side(&self.logs[log], arms, (shown, &faults, self.plant), output)
             })?;
         }
         for path in &reports {
@@ -245,10 +261,10 @@ impl Compare {
     /// Both arms of every log.
     fn pairs(&self, common: &Common, modes: &[Mode], faults: &Faults) -> Vec<LogPair> {
         let (a, b, modes) = (self.a.clone(), self.b().clone(), modes.to_vec());
-        let faults = faults.clone();
+        let (faults, plant) = (faults.clone(), self.plant);
         let of_all = common.clone();
         let work = move |log: &PathBuf| {
-            let pair = arm::pair(log, (&a, &b), &modes, &faults)?;
+            let pair = arm::pair(log, (&a, &b), &modes, &faults, plant)?;
             output::detail(&of_all, || format!("{}: compared", pair.log));
             Ok(pair)
         };
@@ -263,6 +279,7 @@ impl Compare {
                     hash: String::new(),
                     scenario: None,
                     recorded: None,
+                    plant_doubt: None,
                     levels: vec![LevelPair::failed(&format!("{error:#}"))],
                 })
             })

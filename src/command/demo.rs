@@ -14,7 +14,7 @@ use serde::Serialize;
 use crate::cli::Common;
 use crate::command::compare::Compare;
 use crate::command::record::{Record, SensorsName};
-use crate::command::replay::{HumanName, ModeName};
+use crate::command::replay::{HumanName, ModeName, PlantName};
 use crate::controller_choice::ControllerChoice;
 use crate::faults::FaultArgs;
 use crate::status::Status;
@@ -112,6 +112,7 @@ impl Demo {
                 mode: ModeName::Closed,
                 human: HumanName::Playback,
                 hang_after: std::time::Duration::from_secs(30),
+                plant: PlantName::Recorded,
                 faults: FaultArgs::default(),
                 gate: None,
                 report: Some(folder.join(format!("report-{recorded_with}"))),

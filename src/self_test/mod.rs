@@ -256,6 +256,7 @@ impl Ask {
             hash: session.hash.clone(),
             scenario: Some(header.scenario.clone()),
             recorded: None,
+            plant_doubt: None,
             levels: vec![LevelPair {
                 human: self.person.name().to_owned(),
                 estimates: self.person.is_estimate(),

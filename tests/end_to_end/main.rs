@@ -10,6 +10,7 @@ mod help;
 mod interruption;
 mod map;
 mod odd_logs;
+mod other_plant;
 mod plot;
 mod program;
 mod self_test;

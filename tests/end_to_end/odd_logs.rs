@@ -172,8 +172,9 @@ fn numbers_that_are_none() {
         for mode in ["open", "closed"] {
             let began = std::time::Instant::now();
             assert_eq!(replay(&here, mode, "odd.mcap")["steps"], steps, "{mode} {bad}");
-            // One pose that is far off must not make a search of the whole universe.
-            assert!(began.elapsed().as_secs() < 60, "{mode} {bad}: {:?}", began.elapsed());
+            // One pose that is far off must not make a search of the whole universe, which would take
+            // forever; ten minutes are for a machine that has much else to do.
+            assert!(began.elapsed().as_secs() < 600, "{mode} {bad}: {:?}", began.elapsed());
             let out = format!("{mode}{number}.mcap");
             let status = i32::from(mode == "open");
             here.tandem(&format!("replay --mode {mode} odd.mcap -o {out}")).exits(status);

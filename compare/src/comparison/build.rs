@@ -39,6 +39,8 @@ pub struct Question {
     pub gate: Option<GateFile>,
     /// What both arms were put under: named faults between sensors and controller.
     pub faults: Vec<String>,
+    /// Which plant both arms drove in closed loop: `recorded`, the claimed one, or `identified`; may be empty.
+    pub plant: String,
 }
 
 /// Both arms of a log with one model of the person.
@@ -74,6 +76,9 @@ pub struct LogPair {
     /// What was recorded, where A recorded it: its distance from A's simulated run is the floor below
     /// which no effect is believed. `None` where another controller recorded, and in open loop.
     pub recorded: Option<Measured>,
+    /// Where the log is clearly at odds with the plant that it claims, and both arms drove that one: what it
+    /// shows instead, in a sentence.
+    pub plant_doubt: Option<String>,
     /// The levels of the ladder, in the same order for every log; at least one.
     pub levels: Vec<LevelPair>,
 }
@@ -163,6 +168,7 @@ pub fn compare(question: &Question, logs: Vec<LogPair>) -> Result<Comparison, Co
         mode: question.mode.clone(),
         human: question.human.clone(),
         faults: question.faults.clone(),
+        plant: question.plant.clone(),
         provenance,
         gate: None,
         clustered_by: clustered_by.to_owned(),
@@ -221,6 +227,7 @@ fn log_result(log: &LogPair, cluster: String) -> LogResult {
         floor: BTreeMap::new(),
         indicative: super::Indication::default(),
         first_cause: None,
+        plant_doubt: log.plant_doubt.clone(),
         side_by_side: None,
     };
     let wholes = match log.whole() {

@@ -150,6 +150,9 @@ pub struct LogResult {
     pub indicative: Indication,
     /// What differed first between the arms.
     pub first_cause: Option<FirstCause>,
+    /// What the log shows of its plant where that clearly contradicts its claim, which both arms drove.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plant_doubt: Option<String>,
     /// The log in which both arms stand side by side, from where the report is; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub side_by_side: Option<String>,
@@ -391,6 +394,9 @@ pub struct Comparison {
     /// Faults that were put between sensors and controller, the same for both.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub faults: Vec<String>,
+    /// Which plant both arms drove in closed loop: `recorded`, the claimed one, or `identified`.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub plant: String,
     /// What made this, and with which parameters.
     pub provenance: Provenance,
     /// What the gate says; `None` without one.
@@ -419,6 +425,23 @@ pub struct Comparison {
 }
 
 impl Comparison {
+    /// The logs that contradict the plant that both arms drove, in a sentence that shows the way out.
+    pub fn plant_doubts(&self) -> Option<String> {
+        let doubts: Vec<(&str, &str)> = self
+            .logs
+            .iter()
+            .filter_map(|log| Some((log.log.as_str(), log.plant_doubt.as_deref()?)))
+            .collect();
+        let (log, doubt) = doubts.first()?;
+        let more = if doubts.len() > 1 { ", and others likewise" } else { "" };
+        Some(format!(
+            "! in {} of {} logs the robot was another one than both arms drove: {log}: {doubt}{more}; \
+             --plant identified drives what each log shows",
+            doubts.len(),
+            self.logs.len()
+        ))
+    }
+
     /// How many logs could not be compared.
     pub fn failed_logs(&self) -> usize {
         self.logs.iter().filter(|log| log.status == LogStatus::Failed).count()

@@ -20,6 +20,7 @@ pub(super) fn caveats(comparison: &Comparison) -> Vec<Caveat> {
         person(comparison),
         fit(comparison),
         horizon(comparison),
+        plant(comparison),
         floor(comparison),
     ]
 }
@@ -85,6 +86,22 @@ fn horizon(comparison: &Comparison) -> Caveat {
         state,
         meaning: "Until then the simulated robot is near the recorded one, and the recorded person \
                   is to be believed. Metrics are over whole runs.",
+    }
+}
+
+fn plant(comparison: &Comparison) -> Caveat {
+    let state = match comparison.plant_doubts() {
+        Some(doubts) => doubts,
+        None if comparison.human.is_empty() => "as recorded".to_owned(),
+        None if comparison.plant == "identified" => "identified from each log".to_owned(),
+        None if comparison.plant.is_empty() => "not looked at".to_owned(),
+        None => "as claimed; no log contradicts it".to_owned(),
+    };
+    Caveat {
+        what: "plant",
+        state,
+        meaning: "How the simulated robot answers its commands. Where the recorded one answered \
+                  otherwise, everything here is about another robot.",
     }
 }
 

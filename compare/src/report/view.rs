@@ -210,6 +210,11 @@ fn facts(comparison: &Comparison) -> Vec<(&'static str, String)> {
     if !comparison.human.is_empty() {
         facts.push(("human", comparison.human.join(", ")));
     }
+    if let Some(doubts) = comparison.plant_doubts() {
+        facts.push(("plant", doubts));
+    } else if comparison.plant == "identified" {
+        facts.push(("plant", "identified from each log".to_owned()));
+    }
     if !comparison.faults.is_empty() {
         facts.push(("both under", comparison.faults.join(", ")));
     }

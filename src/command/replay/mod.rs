@@ -17,7 +17,7 @@ use anyhow::{Context as _, Result, bail};
 use clap::{Args, ValueEnum};
 use ladder::Ladder;
 use replay::{Gains, Mode, Outcome, Person, PlantEstimate, Reaction, Recording, Window};
-use result::{Plant, Run};
+use result::{Doubt, Plant, Run, WAY_OUT};
 use schemas::{Event, Explored, Header, RunInfo, Scenario, Span, Stamped, World};
 use serde::Serialize;
 
@@ -282,14 +282,22 @@ impl Replay {
             )
         });
         let closed = modes.iter().any(|mode| matches!(mode, Mode::Closed(_)));
-        let mut plant = None;
+        let (mut plant, mut doubt) = (None, None);
         let recording = if closed {
             let mut recording =
                 Recording::read(logs::open_raw(log).with_context(name)?).with_context(name)?;
-            if self.plant == PlantName::Identified {
-                let found = PlantEstimate::of_log(logs::open_raw(log).with_context(name)?);
-                recording = recording.on_plant(found.applied_to(header.scenario.plant));
-                plant = Some(found);
+            match self.plant {
+                PlantName::Recorded => {
+                    doubt = PlantEstimate::doubt(logs::open_raw(log).with_context(name)?);
+                }
+                PlantName::Identified => {
+                    let found = PlantEstimate::of_log(logs::open_raw(log).with_context(name)?);
+                    recording = recording.on_plant(found.applied_to(header.scenario.plant));
+                    plant = Some(found);
+                }
+            }
+            if let Some(doubt) = &doubt {
+                output::note(&format!("warning: {}: {doubt}; {WAY_OUT}", log.display()));
             }
             if let Some((world, explored)) = self.world(log)? {
                 recording = recording.in_world(world, explored);
@@ -333,6 +341,7 @@ impl Replay {
                 [&header, &replayed],
             )?;
             run.plant = plant.as_ref().map(Plant::of);
+            run.plant_doubt = doubt.as_ref().map(Doubt::of);
             if self.floor
                 && let (Mode::Closed(person), Some(recording)) = (mode, &recording)
             {

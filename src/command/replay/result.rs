@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use compare::Measured;
-use replay::{Estimate, Mode, Outcome, PlantEstimate, WarmUp};
+use replay::{AxisDoubt, Estimate, Mode, Outcome, PlantDoubt, PlantEstimate, WarmUp};
 use serde::Serialize;
 
 use super::human_name;
@@ -38,6 +38,8 @@ pub(super) struct Run {
     pub(super) warm_up: Option<&'static str>,
     /// With `--plant identified`: what the log shows of its plant.
     pub(super) plant: Option<Plant>,
+    /// Where the log is clearly at odds with the plant that it claims, and that was driven.
+    pub(super) plant_doubt: Option<Doubt>,
     /// With `--floor`: how far each metric of the recording controller's replay is from the recorded.
     pub(super) floor: Option<BTreeMap<&'static str, f64>>,
     pub(super) realtime_factor: Option<f64>,
@@ -70,6 +72,42 @@ pub(super) struct Plant {
     accel_mps2: Option<Range>,
     alpha_radps2: Option<Range>,
     slip: Option<Range>,
+}
+
+/// What to do about a plant that is not the recorded one.
+pub(super) const WAY_OUT: &str = "--plant identified drives what the log shows";
+
+/// A claimed plant that the log contradicts, and what it shows instead.
+#[derive(Serialize)]
+pub(super) struct Doubt {
+    says: String,
+    claimed: schemas::Plant,
+    found: Plant,
+    /// What either leaves unexplained of the speeds, root mean square; null where the claim does.
+    forwards: Option<Rest>,
+    turning: Option<Rest>,
+}
+
+/// m/s forwards, rad/s turning.
+#[derive(Serialize)]
+struct Rest {
+    claimed: f64,
+    found: f64,
+}
+
+impl Doubt {
+    pub(super) fn of(doubt: &PlantDoubt) -> Doubt {
+        let rest = |axis: Option<AxisDoubt>| {
+            axis.map(|axis| Rest { claimed: axis.claimed_rest, found: axis.found_rest })
+        };
+        Doubt {
+            says: doubt.to_string(),
+            claimed: doubt.claimed,
+            found: Plant::of(&doubt.found),
+            forwards: rest(doubt.forwards),
+            turning: rest(doubt.turning),
+        }
+    }
 }
 
 /// A value with its range of 95 % confidence; null stands for a limit that was not felt.
@@ -149,6 +187,7 @@ impl Run {
             until_horizon: None,
             warm_up: None,
             plant: None,
+            plant_doubt: None,
             floor: None,
             realtime_factor: None,
             cpu_s: None,
@@ -224,6 +263,9 @@ impl Run {
         }
         if let Some(plant) = &self.plant {
             let _ = writeln!(text, "  plant        {}", plant.text());
+        }
+        if let Some(doubt) = &self.plant_doubt {
+            let _ = writeln!(text, "  plant        ! {}; {WAY_OUT}", doubt.says);
         }
         if self.warm_up == Some("differs") {
             let _ = writeln!(
