@@ -14,7 +14,7 @@ fn record(here: &Workplace) {
     for (name, driven) in [("late", 0.2), ("sound", 0.0)] {
         let mut scenario = simulator::scenario("random:rect:joystick:3").unwrap();
         scenario.plant = Plant { actuator_delay_s: driven, ..Plant::default() };
-        scenario.name = name.to_owned();
+        name.clone_into(&mut scenario.name);
         fs::write(here.path(&format!("{name}.toml")), scenario.to_toml()).unwrap();
         let recorded =
             here.record("driven.mcap", &format!("--force --scenario {name}.toml --duration 12"));
