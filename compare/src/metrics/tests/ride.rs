@@ -95,6 +95,40 @@ fn heading_is_measured_against_the_path_of_the_target() {
     assert_eq!(resting.metric("heading_rms_rad"), None);
 }
 
+/// A path along (3, 4)/5 for 2 m: what is 0.3 m beside it is that far off, on either side, whichever part it is
+/// beside; what is beyond an end is as far off as that end.
+#[test]
+fn a_slanted_path_is_a_path_like_any_other() {
+    let mut scenario = scenario();
+    scenario.task =
+        Some(schemas::Task { velocity_mps: [0.3, 0.4], until_s: 4.0, from_m: [1.0, 0.5] });
+    let at_path = |along_m: f64, aside_m: f64| {
+        [1.0 + 0.6 * along_m - 0.8 * aside_m, 0.5 + 0.8 * along_m + 0.6 * aside_m]
+    };
+    let stands = |place_m: [f64; 2], theta_rad: f64| {
+        let mut run = Run::of(scenario.clone());
+        for t_s in [0.0, 0.1] {
+            run.truth(t_s, |truth| {
+                truth.pose = schemas::Pose { x_m: place_m[0], y_m: place_m[1], theta_rad };
+            });
+        }
+        run.step(0.0, |_| {});
+        run
+    };
+    for (along_m, aside_m, off_m) in
+        [(0.0, 0.3, 0.3), (0.7, -0.3, 0.3), (1.9, 0.3, 0.3), (-0.4, 0.3, 0.5), (2.4, -0.3, 0.5)]
+    {
+        let run = stands(at_path(along_m, aside_m), 0.0);
+        close(run.metric("tracking_rms_m"), off_m);
+    }
+    let along_rad = 0.8f64.atan2(0.6);
+    close(stands(at_path(1.0, 0.0), along_rad - 0.2).metric("heading_rms_rad"), 0.2);
+    close(
+        stands(at_path(1.0, 0.0), along_rad + 6.0).metric("heading_rms_rad"),
+        core::f64::consts::TAU - 6.0,
+    );
+}
+
 /// Steps at 0.1 s with the feedback law driving on the left branch.
 fn law(lyapunov: &[f64], change: impl Fn(usize, &mut Step)) -> Run {
     let mut run = Run::new();
