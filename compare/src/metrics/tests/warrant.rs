@@ -48,6 +48,30 @@ fn unwarranted_is_the_share_of_safe_input_that_was_overridden() {
     assert_eq!(safe_only.metric("missed"), None);
 }
 
+/// A judgement stands for 0.1 s: what is asked 0.05 s after a safe request counts as safe, what is asked 0.1 s
+/// after it is judged again.
+#[test]
+fn a_judgement_stands_for_a_tenth_of_a_second() {
+    let run = |second_s: f64| {
+        let mut run = Run::new();
+        for (t_s, gap_m) in [(1.0, 1.0), (second_s, 0.2)] {
+            run.truth(t_s, |truth| {
+                truth.pose.x_m = 3.75 - gap_m;
+                (truth.clearance_m, truth.clearance_static_m) = (gap_m, gap_m);
+                truth.v_mps = 0.1;
+            });
+            run.step(t_s, |step| step.v_h_mps = 0.5).command(t_s, 0.1, 0.0);
+        }
+        run
+    };
+    let soon = run(1.05);
+    close(soon.metric("unwarranted"), 1.0);
+    assert_eq!(soon.metric("missed"), None);
+    let later = run(1.1);
+    close(later.metric("unwarranted"), 1.0);
+    close(later.metric("missed"), 0.0);
+}
+
 #[test]
 fn what_is_in_contact_or_nowhere_is_not_judged() {
     for name in ["unwarranted", "missed", "necessary", "excess"] {
