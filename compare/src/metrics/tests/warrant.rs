@@ -72,6 +72,51 @@ fn a_judgement_stands_for_a_tenth_of_a_second() {
     close(later.metric("missed"), 0.0);
 }
 
+/// To ask for rest is safe where the robot then rests. At 0.7 m/s one that brakes at 2 m/s² goes on for 0.1225 m,
+/// one that hears 0.1 s late for 0.07 m.
+#[test]
+fn a_stop_takes_its_way() {
+    let stop = |limits_acceleration: bool, actuator_delay_s: f64, gap_m: f64| {
+        let mut scenario = scenario();
+        scenario.plant.limits_acceleration = limits_acceleration;
+        scenario.plant.accel_max_mps2 = 2.0;
+        scenario.plant.actuator_delay_s = actuator_delay_s;
+        let mut run = Run::of(scenario);
+        run.truth(0.0, |truth| {
+            truth.pose.x_m = 3.75 - gap_m;
+            (truth.clearance_m, truth.clearance_static_m) = (gap_m, gap_m);
+            truth.v_mps = 0.7;
+        });
+        run.step(0.0, |step| (step.v_h_mps, step.v_mps) = (0.0, 0.7)).command(0.0, 0.0, 0.0);
+        // Passed on as it was: missed where it was not safe.
+        run.metric("missed")
+    };
+    assert_eq!(stop(false, 0.0, 0.01), None);
+    assert_eq!(stop(true, 0.0, 0.12), Some(1.0));
+    assert_eq!(stop(true, 0.0, 0.13), None);
+    assert_eq!(stop(false, 0.1, 0.065), Some(1.0));
+    assert_eq!(stop(false, 0.1, 0.075), None);
+}
+
+/// Whichever number is missing.
+#[test]
+fn what_is_not_known_is_not_judged() {
+    let judged = |change: fn(&mut schemas::Truth), asked_mps: f64| {
+        let mut run = Run::new();
+        run.truth(0.0, |truth| {
+            truth.pose.x_m = 2.75;
+            change(truth);
+        });
+        run.step(0.0, |step| step.v_h_mps = asked_mps).command(0.0, 0.3, 0.0);
+        run.metric("unwarranted").is_some()
+    };
+    assert!(judged(|_| (), 0.5));
+    assert!(!judged(|_| (), f64::NAN));
+    assert!(!judged(|truth| truth.pose.theta_rad = f64::NAN, 0.5));
+    assert!(!judged(|truth| truth.pose.x_m = f64::INFINITY, 0.5));
+    assert!(!judged(|truth| truth.v_mps = f64::NAN, 0.5));
+}
+
 #[test]
 fn what_is_in_contact_or_nowhere_is_not_judged() {
     for name in ["unwarranted", "missed", "necessary", "excess"] {
