@@ -98,6 +98,16 @@ fn a_stop_takes_its_way() {
     assert_eq!(stop(false, 0.1, 0.075), None);
 }
 
+/// Of several safe inputs on one ring about the person's the nearest counts: straight back, by (0.5 − 0.354)/0.7;
+/// aslant it takes more. It is found to 0.1/2⁵.
+#[test]
+fn the_nearest_safe_input_is_straight_back() {
+    let run = gaps(&[(0.354, 0.5, 0.5)]);
+    let necessary = run.metric("necessary").expect("defined");
+    let least = (0.5 - 0.354) / 0.7;
+    assert!((least - 1e-9..least + 0.1 / 32.0).contains(&necessary), "{necessary}");
+}
+
 /// Whichever number is missing.
 #[test]
 fn what_is_not_known_is_not_judged() {
