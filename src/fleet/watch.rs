@@ -307,8 +307,8 @@ mod tests {
     fn a_stay_within_a_stay_is_one() {
         let results = run(1, |item| {
             caught(|| {
-                for _ in 0..3 {
-                    caught(|| thread::sleep(Duration::from_millis(120))).expect("not too long");
+                for _ in 0..4 {
+                    caught(|| thread::sleep(Duration::from_millis(200))).expect("not too long");
                 }
             })?;
             Ok(*item)
