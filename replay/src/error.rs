@@ -36,7 +36,10 @@ pub enum ReplayError {
     )]
     NoEcho,
     /// Nothing was replayed.
-    #[error("no controller step in the log: nothing to replay (record with a controller first)")]
+    #[error(
+        "no controller step to replay: none in the log (record with a controller first), or none in the part \
+         that was asked for (--from, --to)"
+    )]
     NoStep,
     /// There is nobody to bring back.
     #[error("no /joystick message in the log: no recorded person to replay; use --mode open")]

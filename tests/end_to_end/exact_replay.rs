@@ -154,7 +154,20 @@ fn a_part_of_a_log() {
     }
     here.tandem("replay --from 9 --to 4 log.mcap").exits(2);
     here.tandem("replay --from -1 log.mcap").exits(2);
-    here.tandem("replay --from 99 log.mcap").exits(2);
+    let late = here.tandem("replay --from 99 log.mcap").exits(2);
+    assert!(
+        late.stderr.contains("none in the part that was asked for (--from, --to)"),
+        "{}",
+        late.stderr
+    );
+    // The horizon is told as everything is: from the start of the log.
+    let part = "replay --mode closed --controller human --from 8 --to 12 log.mcap";
+    let told = here.tandem(&format!("{part} --format json")).succeeds().json();
+    let run = &told["runs"][0];
+    let horizon_s = run["horizon_s"].as_f64().unwrap();
+    assert!(horizon_s > 8.0 && horizon_s < 12.0, "{run}");
+    let words = here.tandem(part).succeeds().stdout;
+    assert!(words.contains(&format!("{horizon_s:.2} of 8.00 to 12.00 s")), "{words}");
 }
 
 /// The plant is identified from the log, and the floor of an exact replay is zero.
@@ -166,6 +179,8 @@ fn plant_and_floor() {
     let run = here.tandem(command).succeeds().json()["runs"][0].clone();
     let floor = run["floor"].as_object().unwrap();
     assert!(floor.contains_key("human_share") && floor.values().all(|gap| gap == 0.0), "{run}");
+    let words = here.tandem("replay --mode closed --floor log.mcap").succeeds().stdout;
+    assert!(words.contains("floor        0 in every metric that a verdict goes by"), "{words}");
     let command = "replay --format json --mode closed --plant identified log.mcap";
     let run = here.tandem(command).succeeds().json()["runs"][0].clone();
     // Random rooms have a plant that slips by 3 %, and nothing else.

@@ -13,11 +13,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use ::compare::{CATALOGUE, Meter};
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use ladder::Ladder;
 use replay::{Gains, Mode, Outcome, Person, PlantEstimate, Reaction, Recording, Window};
-use result::{Doubt, Plant, Run, WAY_OUT};
+use result::{Crossings, Doubt, Plant, Run, WAY_OUT};
 use schemas::{Event, Explored, Header, RunInfo, Scenario, Span, Stamped, World};
 use serde::Serialize;
 
@@ -340,6 +340,11 @@ impl Replay {
                 replay,
                 [&header, &replayed],
             )?;
+            run.from_s = window.from_s;
+            if run.horizon.as_ref().is_some_and(Crossings::never) {
+                // As a crossing is, the end is told from the start of the log.
+                run.horizon_s = Some(run.from_s + run.duration_s);
+            }
             run.plant = plant.as_ref().map(Plant::of);
             run.plant_doubt = doubt.as_ref().map(Doubt::of);
             if self.floor
@@ -453,6 +458,7 @@ impl Replay {
                 if let Some(path) = &written {
                     let _ = fs::remove_file(path);
                 }
+                ensure!(!interrupted, "{}: interrupted before its first step", log.display());
                 return Err(error);
             }
         };

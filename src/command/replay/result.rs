@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use compare::Measured;
+use compare::{CATALOGUE, Measured};
 use replay::{AxisDoubt, Estimate, Mode, Outcome, PlantDoubt, PlantEstimate, WarmUp};
 use serde::Serialize;
 
@@ -45,6 +45,9 @@ pub(super) struct Run {
     pub(super) realtime_factor: Option<f64>,
     pub(super) cpu_s: Option<f64>,
     pub(super) error: Option<String>,
+    /// Where the part that was replayed begins, seconds from the start of the log.
+    #[serde(skip)]
+    pub(super) from_s: f64,
     #[serde(skip)]
     pub(super) duration_s: f64,
     #[serde(skip)]
@@ -61,6 +64,13 @@ pub(super) struct Crossings {
     pub(super) state_s: Option<f64>,
     pub(super) sensor_s: Option<f64>,
     pub(super) human_s: Option<f64>,
+}
+
+impl Crossings {
+    /// Whether nothing was crossed.
+    pub(super) fn never(&self) -> bool {
+        [self.state_s, self.sensor_s, self.human_s] == [None; 3]
+    }
 }
 
 /// What a log shows of its plant; null where it shows nothing.
@@ -189,6 +199,7 @@ impl Run {
             plant: None,
             plant_doubt: None,
             floor: None,
+            from_s: 0.0,
             realtime_factor: None,
             cpu_s: None,
             error: Some(error),
@@ -267,6 +278,9 @@ impl Run {
         if let Some(doubt) = &self.plant_doubt {
             let _ = writeln!(text, "  plant        ! {}; {WAY_OUT}", doubt.says);
         }
+        if let Some(floor) = &self.floor {
+            let _ = writeln!(text, "  floor        {}", floor_text(floor));
+        }
         if self.warm_up == Some("differs") {
             let _ = writeln!(
                 text,
@@ -295,12 +309,32 @@ impl Run {
         if crossings.is_empty() {
             "the whole replay: nothing parted from the recording".to_owned()
         } else {
+            let part = if self.from_s > 0.0 {
+                format!("{:.2} to {:.2} s", self.from_s, self.from_s + self.duration_s)
+            } else {
+                format!("{:.2} s", self.duration_s)
+            };
             format!(
-                "{:.2} of {:.2} s (left the recording: {})",
+                "{:.2} of {part} (left the recording: {})",
                 self.horizon_s.unwrap_or(f64::NAN),
-                self.duration_s,
                 crossings.join(", ")
             )
         }
+    }
+}
+
+/// By how much a replay of the recording controller misses the metrics that a verdict goes by.
+fn floor_text(floor: &BTreeMap<&'static str, f64>) -> String {
+    let off: Vec<String> = CATALOGUE
+        .iter()
+        .filter(|metric| metric.primary)
+        .filter_map(|metric| floor.get(metric.name).map(|off| (metric.name, *off)))
+        .filter(|(_, off)| *off != 0.0)
+        .map(|(name, off)| format!("{name} {off:.3}"))
+        .collect();
+    if off.is_empty() {
+        "0 in every metric that a verdict goes by".to_owned()
+    } else {
+        format!("{} off by the replay alone (all metrics: --format json)", off.join(", "))
     }
 }
