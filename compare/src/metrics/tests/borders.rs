@@ -213,3 +213,12 @@ fn what_does_not_add_up_has_no_profile() {
         assert!(bins(name).is_empty(), "{name}");
     }
 }
+
+/// The depth of a disc whose middle is inside the body: its radius, and the least way out for the middle.
+#[test]
+fn a_disc_may_be_deep_inside() {
+    let disc = Disc { centre_m: [0.1, 0.05], radius_m: 0.2 };
+    let violations = beside(Pose::default(), 0.0, disc, -0.35);
+    assert_eq!(violations.len(), 1);
+    close(Some(violations[0].depth_m), 0.2 + 0.15);
+}
