@@ -7,20 +7,21 @@ use schemas::{Plant, Span, Time};
 use crate::digest::Digest;
 use crate::safety::{Drive, Moving, arc};
 
-/// Times longer than this are not predicted over, seconds: what is that old no longer counts.
+/// Times longer than this are not predicted over, seconds: what is that old no longer counts. Commands are
+/// kept until odometry this old has felt them.
 const HORIZON_S: f64 = 0.5;
 
-/// Commands are kept until odometry this old, seconds, has felt them; two samples of the slowest sensor.
-const CATCHING_UP_S: f64 = 0.05;
+/// More commands than this are not kept: the longest delay and the horizon at 1 kHz.
+const MOST: usize = 1_024;
 
-/// More commands than this are never on their way at once.
-const MOST: usize = 512;
-
-/// Up to this speed, m/s, a robot under accelerations counts as all but at rest; and an estimate that is
-/// no farther than that, m/s, from what the commands have made of an earlier one differs by its noise: some
-/// mm/s. That is averaged over so many seconds, three samples of the wheels: chosen.
+/// Up to this speed, m/s, a robot under accelerations counts as all but at rest.
 const NEAR_REST_MPS: f64 = 0.03;
+
+/// An estimate of a robot all but at rest that is no farther than this, m/s, from what the commands have
+/// made of an earlier one differs by its noise: that is some mm/s.
 const NOISE_MPS: f64 = 0.01;
+
+/// For so many seconds that noise is averaged: three samples of the wheels, chosen.
 const NOISE_AVERAGED_S: f64 = 0.06;
 
 /// Less than this, m/s, is rounding.
@@ -41,10 +42,10 @@ pub(super) struct Underway {
 }
 
 impl Underway {
-    /// None yet; room for as many as the plant's delay holds.
+    /// None yet; room for as many as the plant's delay and the horizon hold.
     pub(super) fn new(plant: Plant, control_period_s: f64) -> Underway {
         let delay_s = plant.actuator_delay_s.clamp(0.0, HORIZON_S);
-        let held = libm::ceil((delay_s + CATCHING_UP_S) / control_period_s);
+        let held = libm::ceil((delay_s + HORIZON_S) / control_period_s);
         let most = (held as usize).min(MOST - 2) + 2;
         let delay = Span::from_seconds(delay_s);
         Underway { plant, delay, given: VecDeque::with_capacity(most), most, found_mps: f64::NAN }
@@ -208,6 +209,21 @@ mod tests {
         let end = underway(0.1, &given).foresee(&robot, at(0.94), at(1.0));
         let expected_m = 0.04 * 0.1 + 0.1 * 0.2 + 0.02 * 0.4;
         assert!((end.pose.x_m - expected_m).abs() < 1e-12, "{end:?}");
+    }
+
+    /// At 100 Hz, odometry that is 0.3 s late has felt none of the last thirty commands: 0.1 m/s for 0.15 s
+    /// of them, 0.5 m/s for the other 0.15 s.
+    #[test]
+    fn late_odometry_has_felt_no_command_since() {
+        let mut underway = Underway::new(Plant { actuator_delay_s: 0.1, ..Plant::default() }, 0.01);
+        for step in 0..100 {
+            let v_mps = if step < 75 { 0.1 } else { 0.5 };
+            underway.give(at(0.01 * f64::from(step)), Drive::Velocities([v_mps, 0.0]));
+        }
+        let robot = Moving { pose: Pose::default(), speeds: [0.1, 0.0] };
+        let end = underway.foresee(&robot, at(0.7), at(1.0)).pose;
+        // The first 0.5 m/s was given at 0.75 s, felt from 0.85 s on; the end is at 1.1 s.
+        assert!((end.x_m - (0.15 * 0.1 + 0.25 * 0.5)).abs() < 1e-9, "{end:?}");
     }
 
     /// What another clock gave never comes; what is half a second old or older counts as that old.
