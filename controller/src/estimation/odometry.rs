@@ -29,7 +29,7 @@ use super::madgwick::Madgwick;
 use super::trail::Trail;
 use super::wheels::{Wheels, reported_speed_mps};
 use crate::digest::Digest;
-use encoders::SPEED_SIGMA_MPS;
+use encoders::{SPEED_SIGMA_MPS, Settled};
 
 /// For how long speeds hold without a sample that confirms them, seconds: the age at which odometry
 /// counts as stale (specification, section 10).
@@ -130,10 +130,8 @@ pub struct Odometry {
     lean: f64,
     /// Forward acceleration, m/s², between the newest two encoder samples.
     felt_mps2: f64,
-    /// Speed, m/s, as of the newest encoder sample.
-    settled_mps: f64,
-    /// What the counters should have shown beyond their reading then, metres.
-    told_m: f64,
+    /// The filter as of the newest encoder sample.
+    settled: Settled,
     /// For how long since then the accelerometer has told nothing, seconds.
     unfelt_s: f64,
     /// What the accelerometer shows ahead beyond that, m/s², on average: its bias, and gravity where
@@ -165,8 +163,7 @@ impl Odometry {
             distrust_until: None,
             lean: 0.0,
             felt_mps2: 0.0,
-            settled_mps: 0.0,
-            told_m: 0.0,
+            settled: Settled::default(),
             unfelt_s: 0.0,
             tilt_mps2: 0.0,
             health: Health::default(),
@@ -238,7 +235,7 @@ impl Odometry {
         let before = self.ekf.pose();
         let predicted_m = self.ekf.get(TRAVEL);
         let believed = self.hear_wheels(sample, &rolled, gyro_is_heard);
-        self.felt_mps2 = (self.ekf.get(V) - self.settled_mps) / rolled.elapsed_s;
+        self.felt_mps2 = (self.ekf.get(V) - self.settled.v_mps()) / rolled.elapsed_s;
         self.settle();
         self.odometer_m += if believed { counted[0] } else { predicted_m }.abs();
         self.fast = false;
@@ -337,13 +334,12 @@ impl Odometry {
             self.at_odds.map_or(0.0, |(_, odds)| odds),
             self.lean,
             self.felt_mps2,
-            self.settled_mps,
-            self.told_m,
             self.unfelt_s,
             self.tilt_mps2,
             self.odometer_m,
         ]);
         digest.word(u64::from(self.fast));
+        self.settled.fold(digest);
         self.gyro_gate.fold(digest);
         self.encoder_gate.fold(digest);
         self.health.fold(digest, start);
@@ -401,8 +397,8 @@ impl Odometry {
 
     /// Notes what the filter holds once it has heard an encoder sample.
     fn settle(&mut self) {
-        self.settled_mps = self.ekf.get(V);
-        self.told_m = self.ekf.get(TRAVEL);
+        self.ekf.tidy();
+        self.settled = Settled::of(&self.ekf);
         self.unfelt_s = 0.0;
     }
 

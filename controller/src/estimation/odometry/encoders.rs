@@ -3,8 +3,9 @@
 use schemas::{EncoderSample, Time};
 
 use super::Odometry;
+use crate::digest::Digest;
 use crate::estimation::ekf::{
-    BIAS, BIAS_SIGMA_RADPS, Measurement, OMEGA, TRAVEL, TURN, TURN_GAIN, V,
+    BIAS, BIAS_SIGMA_RADPS, Ekf, Measurement, OMEGA, TRAVEL, TURN, TURN_GAIN, V,
 };
 use crate::estimation::gate::ONE_NUMBER;
 use crate::estimation::wheels::{Rolled, Side, reported_mps, reported_speed_mps};
@@ -28,29 +29,65 @@ const LEAN_LIMIT: f64 = 0.8;
 /// Unexplained turn rates up to this, rad/s, may be a new bias of the gyro.
 const LARGEST_BIAS_STEP_RADPS: f64 = 0.2;
 
-/// How well a wheel's reported speed is the mean since its last sample, where the accelerometer tells how
-/// the speed changed meanwhile: m/s (its 0.3 m/s² for half of 20 ms), a share of the speed, and a share
-/// of the change: a ramp and a jump in the middle of 20 ms differ by none, one at the end of 10 of them by
-/// 0.25.
+/// How well a reported speed is the mean since the last sample, m/s, where the accelerometer tells how the
+/// speed changed meanwhile: its 0.3 m/s² for half of 20 ms.
 const FELT_SIGMA_MPS: f64 = 0.003;
+
+/// And a share of the speed: what the wheels slip.
 const SPEED_SHARE: f64 = 0.02;
+
+/// And a share of the change of speed meanwhile: between the mean over 20 ms of a jump and that of a ramp of
+/// the same middle lies none of it, of a ramp over one of the accelerometer's 10 ms and a jump at their end a
+/// quarter.
 const CHANGE_SHARE: f64 = 0.15;
 
-/// Where it does not, the speed changes by so much more: m/s², half of what the plant can do, up to the
-/// [`SPEED_SIGMA_MPS`] of a whole sample.
+/// Where the accelerometer tells nothing the speed may change by so much more, m/s²: half of what the plant
+/// can do.
 const UNFELT_MPS2: f64 = 1.0;
+
+/// A reported speed is never worse than this, m/s, but for those shares.
 pub(super) const SPEED_SIGMA_MPS: f64 = 0.01;
 
 /// Speeds are means over no more than this, seconds: two samples.
 const MEAN_S: f64 = 0.05;
 
-/// The present speed as the filter has it, beside its mean since the last encoder sample.
+/// The present speed of a place of the robot as the filter has it, beside its mean since the last encoder
+/// sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lead {
     /// By how much it is more than the mean, m/s.
     ahead_mps: f64,
     /// How well the mean is known, m/s.
     sigma_mps: f64,
+}
+
+/// What the filter held once it had heard an encoder sample.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Settled {
+    /// Forward speed, m/s, and turn rate as the counters see it, rad/s.
+    speeds: [f64; 2],
+    /// What the counters should have shown beyond their reading then: metres, radians.
+    told: [f64; 2],
+}
+
+impl Settled {
+    pub(super) fn of(ekf: &Ekf) -> Settled {
+        let gain = 1.0 + ekf.get(TURN_GAIN);
+        Settled {
+            speeds: [ekf.get(V), gain * ekf.get(OMEGA)],
+            told: [ekf.get(TRAVEL), ekf.get(TURN)],
+        }
+    }
+
+    /// Forward speed, m/s.
+    pub(super) fn v_mps(&self) -> f64 {
+        self.speeds[0]
+    }
+
+    pub(super) fn fold(&self, digest: &mut Digest) {
+        digest.numbers(&self.speeds);
+        digest.numbers(&self.told);
+    }
 }
 
 impl Odometry {
@@ -69,17 +106,19 @@ impl Odometry {
         self.ekf.replace(OMEGA, turn_rad / left_s, 1.0);
     }
 
-    /// How the speed has changed since the last encoder sample, `elapsed_s` ago, by what the filter,
-    /// which has reached the present one, made of it.
-    pub(super) fn lead(&self, elapsed_s: f64) -> Lead {
+    /// How the speed of a place `arm_m` to the right of the robot's middle has changed since the last encoder
+    /// sample, `elapsed_s` ago, by what the filter, which has reached the present one, made of it.
+    pub(super) fn lead(&self, arm_m: f64, elapsed_s: f64) -> Lead {
         if elapsed_s > MEAN_S || self.released.is_some() {
             return Lead { ahead_mps: 0.0, sigma_mps: SPEED_SIGMA_MPS };
         }
-        let mean_mps = (self.ekf.get(TRAVEL) - self.told_m) / elapsed_s;
-        let changed_mps = self.ekf.get(V) - self.settled_mps;
+        let there = |[ahead, turning]: [f64; 2]| ahead + arm_m * turning;
+        let now = Settled::of(&self.ekf);
+        let mean_mps = (there(now.told) - there(self.settled.told)) / elapsed_s;
+        let changed_mps = there(now.speeds) - there(self.settled.speeds);
         let unfelt_mps = (UNFELT_MPS2 * self.unfelt_s).min(SPEED_SIGMA_MPS - FELT_SIGMA_MPS);
         let sigma_mps = FELT_SIGMA_MPS + unfelt_mps + CHANGE_SHARE * changed_mps.abs();
-        Lead { ahead_mps: self.ekf.get(V) - mean_mps, sigma_mps }
+        Lead { ahead_mps: there(now.speeds) - mean_mps, sigma_mps }
     }
 
     /// Takes what the wheels did into the filter, which has reached their instant. False if it was not
@@ -91,7 +130,6 @@ impl Odometry {
         gyro_is_heard: bool,
     ) -> bool {
         let counted = rolled.travel_and_turn(self.track_m);
-        let lead = self.lead(rolled.elapsed_s);
         let turned_rad = self.ekf.get(TURN) / (1.0 + self.ekf.get(TURN_GAIN));
         if rolled.jumped {
             self.encoder_gate.turn_away();
@@ -108,12 +146,13 @@ impl Odometry {
         if let Some(side) = dead {
             self.health.dead = Some((sample.stamp, side));
             self.at_odds = None;
-            return self.hear_one_wheel(sample, rolled, side, lead);
+            return self.hear_one_wheel(sample, rolled, side);
         }
         if rolled.standing() && !self.fast {
             self.stand_still(counted);
             return true;
         }
+        let lead = self.lead(0.0, rolled.elapsed_s);
         let [travel_variance, turn_variance] = self.ekf.counter_variances();
         let travel =
             Measurement::direct(TRAVEL, counted[0] - self.ekf.get(TRAVEL), travel_variance);
@@ -162,13 +201,13 @@ impl Odometry {
         sample: &EncoderSample,
         rolled: &Rolled,
         dead: Side,
-        lead: Lead,
     ) -> bool {
         let (index, sign, speed_mps) = match dead {
             Side::Left => (1, 1.0, sample.right_mps),
             Side::Right => (0, -1.0, sample.left_mps),
         };
         let arm_m = 0.5 * sign * self.track_m;
+        let lead = self.lead(arm_m, rolled.elapsed_s);
         let shown_m = self.ekf.get(TRAVEL) + arm_m * self.ekf.get(TURN);
         let [travel_variance, _] = self.ekf.counter_variances();
         let z = Measurement {
