@@ -190,7 +190,9 @@ fn plot(quantity: &Quantity, time: Axis, a: &[&TrackPoint], b: &[&TrackPoint]) -
         let low = low.max(high * libm::pow(10.0, f64::from(-DECADES)));
         (Axis::logarithmic(low, high, ends), low)
     } else {
-        (Axis::linear(low, high, ends), low)
+        // From 0, so that a line near the frame's edge is a small number.
+        let low = low.min(0.0);
+        (Axis::linear(low, high.max(0.0), ends), low)
     };
     let [low_shown, high_shown] = axis.range();
     let line = |of: fn(&TrackPoint) -> f64, points: &[&TrackPoint]| {
