@@ -1,5 +1,7 @@
 //! Which point of its arc each echo came from: the one that most other arcs agree with.
 
+use std::cell::LazyCell;
+
 use super::grid::Raster;
 use super::views::{Gathered, View};
 
@@ -21,8 +23,9 @@ const NEAR_M: f64 = 0.12;
 /// So many other points confirm one.
 const CONFIRMED_BY: u32 = 3;
 
-/// So many are counted one by one. Where there are more, which only decides between walls that are certain
-/// all of them, cells are counted: of each the others would take an hour's square.
+/// So many are counted one by one. Where there are more, cells are counted: the time that each of an hour's
+/// echoes from one place takes with each other grows with their square, and their number only decides which
+/// of some certain walls comes first.
 const ONE_BY_ONE: usize = 400;
 
 /// Cells of that count within [`NEAR_M`].
@@ -117,17 +120,22 @@ fn best(view: &View, through: &Raster<f32>, past: &Raster<f32>) -> Hit {
 
 /// Counts for each point the others about it.
 fn confirm(hits: &mut [Hit]) {
-    let at_m = || hits.iter().map(|hit| hit.at_m);
-    let mut places: Raster<Vec<u32>> = Raster::about(at_m(), NEAR_M);
-    let mut fine: Raster<u32> = Raster::about(at_m(), NEAR_M / FINE as f64);
+    let mut places: Raster<Vec<u32>> = Raster::about(hits.iter().map(|hit| hit.at_m), NEAR_M);
     for (index, hit) in hits.iter().enumerate() {
         if let Some(cell) = places.index(hit.at_m) {
             places.cells[cell].push(index as u32);
         }
-        if let Some(cell) = fine.index(hit.at_m) {
-            fine.cells[cell] += 1;
-        }
     }
+    let fine = LazyCell::new(|| {
+        let mut fine: Raster<u32> =
+            Raster::about(hits.iter().map(|hit| hit.at_m), NEAR_M / FINE as f64);
+        for hit in hits.iter() {
+            if let Some(cell) = fine.index(hit.at_m) {
+                fine.cells[cell] += 1;
+            }
+        }
+        fine
+    });
     let counts: Vec<u32> = hits
         .iter()
         .map(|hit| {

@@ -148,13 +148,12 @@ pub(super) fn faces(hits: &[Hit], gathered: &Gathered, seen: &Evidence) -> Vec<F
             continue;
         }
         let (members, face) = grow(&hits, &taken, &near, centre_m);
-        for member in &members {
-            taken[*member as usize] = true;
-        }
-        taken[seed as usize] = true;
         // Later seeds look at what is left, not again and again at all there was.
-        for cell in &mut places.cells {
-            cell.retain(|index| !taken[*index as usize]);
+        for member in members.into_iter().chain([seed]) {
+            taken[member as usize] = true;
+            if let Some(cell) = places.index(hits[member as usize].at_m) {
+                places.cells[cell].retain(|index| *index != member);
+            }
         }
         faces.extend(face);
     }
