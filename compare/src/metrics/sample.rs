@@ -203,3 +203,46 @@ pub(super) fn deviation(decision: &Decision) -> Twist {
         omega_radps: decision.executed.omega_radps - decision.requested.omega_radps,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: Limits = Limits { v_max_mps: 0.5, omega_max_radps: 2.0 };
+
+    fn twist(v_mps: f64, omega_radps: f64) -> Twist {
+        Twist { v_mps, omega_radps }
+    }
+
+    /// 0.3 m/s of 0.5 and 1.6 rad/s of 2: shares of 0.6 and 0.8, together 1.
+    #[test]
+    fn full_speed_is_one() {
+        assert_eq!(LIMITS.shares(twist(-0.3, 1.6)), [-0.6, 0.8]);
+        assert!((LIMITS.scaled(twist(-0.3, 1.6)) - 1.0).abs() < 1e-15);
+        for unknown in [twist(f64::NAN, 1.0), twist(f64::INFINITY, f64::NAN)] {
+            assert!(LIMITS.scaled(unknown).is_nan());
+        }
+    }
+
+    #[test]
+    fn an_input_is_moved_by_shares_of_full_speed() {
+        assert_eq!(LIMITS.moved(twist(0.125, 1.0), [0.5, -0.25]), twist(0.375, 0.5));
+    }
+
+    #[test]
+    fn the_plant_can_do_what_neither_limit_forbids() {
+        for (input, can) in [
+            (twist(0.5, -2.0), true),
+            (twist(-0.5, 2.0), true),
+            (twist(0.501, 0.0), false),
+            (twist(0.0, -2.001), false),
+            (twist(f64::NAN, 0.0), false),
+        ] {
+            assert_eq!(LIMITS.allow(input), can, "{input:?}");
+        }
+        assert_eq!(LIMITS.clipped(twist(0.75, -3.0)), twist(0.5, -2.0));
+        // A limit of 0 is none.
+        let unlimited = Limits { v_max_mps: 0.0, omega_max_radps: 0.0 };
+        assert_eq!(unlimited.clipped(twist(0.75, -3.0)), twist(0.75, -3.0));
+    }
+}
