@@ -118,6 +118,8 @@ fn magnitudes(speeds_mps: &[f64], frequencies_hz: [f64; AT_ONCE]) -> [f64; AT_ON
 
 #[cfg(test)]
 mod tests {
+    use schemas::{Pose, Twist};
+
     use super::*;
 
     /// A bell-shaped speed has the spectrum exp(−ω²σ²/2) whatever its height and width, as long as
@@ -157,6 +159,62 @@ mod tests {
             .collect();
         let (got, want) = (arc_length(&speeds).expect("moves"), -2.550_059_961_006_279);
         assert!((got - want).abs() < 1e-9, "{got} instead of {want}");
+    }
+
+    fn motion(v_mps: f64, hold_s: f64) -> Motion {
+        Motion {
+            t_s: 0.0,
+            hold_s,
+            pose: Pose::default(),
+            twist: Twist { v_mps, omega_radps: 0.0 },
+            clearance_m: f64::NAN,
+            clearance_static_m: f64::NAN,
+            discs: Vec::new(),
+            ttc_s: f64::NAN,
+        }
+    }
+
+    /// Motion that holds for 20, 70, 130 and 30 ms in turn; written out in slots of 10 ms, of which five make
+    /// a sample. The rest of 120 samples beside a window of 200 counts for 0.6 of one, a rest of 40 for
+    /// nothing. What is not a number is passed over.
+    #[test]
+    fn samples_are_means_over_fifty_milliseconds() {
+        let parts = [(0.1, 2), (-0.4, 7), (0.3, 13), (0.2, 3)];
+        for (total, rest_counts) in [(1_200, false), (1_600, true)] {
+            let (mut sparc, mut slots) = (Sparc::default(), Vec::new());
+            for (v_mps, tens) in parts.into_iter().cycle() {
+                // So that no two windows are the same.
+                let v_mps = v_mps * (1.0 + 1e-3 * slots.len() as f64);
+                sparc.motion(&motion(v_mps, 0.01 * f64::from(tens)));
+                sparc.motion(&motion(f64::NAN, 0.02));
+                slots.extend((0..tens).map(|_| v_mps.abs()));
+                if slots.len() >= total {
+                    break;
+                }
+            }
+            assert_eq!(slots.len(), total, "whole turns of the four");
+            let samples: Vec<f64> =
+                slots.chunks_exact(5).map(|five| five.iter().sum::<f64>() / 5.0).collect();
+            let (window, rest) = samples.split_at(WINDOW);
+            let near = |a: &f64, b: &f64| (a - b).abs() < 1e-12;
+            assert!(sparc.window.iter().zip(rest).all(|(got, want)| near(got, want)));
+            assert_eq!(sparc.window.len(), rest.len());
+            let first = arc_length(window).expect("moves");
+            let want = if rest_counts {
+                (first + 0.6 * arc_length(rest).expect("moves")) / 1.6
+            } else {
+                first
+            };
+            let got = sparc.value().expect("moves");
+            assert!((got - want).abs() < 1e-9, "{got} instead of {want}");
+        }
+    }
+
+    /// In ten seconds 1.2 mm are a movement, 0.8 mm are none.
+    #[test]
+    fn creeping_is_no_movement() {
+        assert!(arc_length(&[1.2e-4; WINDOW]).is_some());
+        assert_eq!(arc_length(&[0.8e-4; WINDOW]), None);
     }
 
     /// Side by side, each frequency is what it is alone, to the bit.
