@@ -317,6 +317,52 @@ mod tests {
 
     const MIDDLE: Pose = Pose { x_m: 2.0, y_m: 1.0, theta_rad: 0.0 };
 
+    /// From 0.4 m/s and −1 rad/s towards 0.8 m/s and 1 rad/s from 0.1 s to 0.4 s, by 2 m/s² and 4 rad/s²;
+    /// then 0.4 s from 0.8 m/s to rest, the turn of 0.2 rad/s ends before.
+    #[test]
+    fn a_course_ramps_holds_and_brakes() {
+        let course = Course {
+            from: twist(0.4, -1.0),
+            to: twist(0.8, 1.0),
+            delay_s: 0.1,
+            hold_s: 0.3,
+            accel: Some([2.0, 4.0]),
+        };
+        for (tau_s, v_mps, omega_radps) in [
+            (0.0, 0.4, -1.0),
+            (0.099, 0.4, -1.0),
+            (0.2, 0.6, -0.6),
+            (0.375, 0.8, 0.1),
+            (0.4, 0.8, 0.2),
+            (0.425, 0.75, 0.1),
+            (0.6, 0.4, 0.0),
+            (0.9, 0.0, 0.0),
+        ] {
+            let Twist { v_mps: v, omega_radps: omega } = course.twist(tau_s);
+            let off = (v - v_mps).abs().max((omega - omega_radps).abs());
+            assert!(off < 1e-12, "{tau_s} s: {v} m/s, {omega} rad/s");
+        }
+        assert!((course.end_s() - 0.8).abs() < 1e-12);
+        // Where the turn takes longer to end: 0.6 s of 4 rad/s² lead to its 1 rad/s, 0.25 s end it.
+        let turning = Course { to: twist(0.0, 1.0), hold_s: 0.6, ..course };
+        assert!((turning.end_s() - (0.7 + 0.25)).abs() < 1e-12);
+    }
+
+    /// Without a limit speeds jump, and at the instant of the jump they are the new ones.
+    #[test]
+    fn without_limits_speeds_jump() {
+        let course = Course {
+            from: twist(0.4, -1.0),
+            to: twist(0.8, 1.0),
+            delay_s: 0.125,
+            hold_s: 0.25,
+            accel: None,
+        };
+        assert_eq!([0.12, 0.125].map(|tau_s| course.twist(tau_s)), [course.from, course.to]);
+        assert_eq!([0.37, 0.375].map(|tau_s| course.twist(tau_s)), [course.to, Twist::default()]);
+        assert_eq!(course.end_s(), 0.375);
+    }
+
     #[test]
     fn straight_ahead_the_front_edge_touches_first() {
         // 4 − 2 − 0.25 = 1.75 m at 0.7 m/s.

@@ -1,5 +1,6 @@
 //! Comfort, heading, the law's promise, the person's effort, the computer's.
 
+use super::super::{Measured, Profile, Track};
 use super::close;
 use crate::synthetic::{Run, at, scenario, task};
 use schemas::{
@@ -313,4 +314,14 @@ fn step_times_are_told_where_they_were_recorded() {
     close(run.metric("step_time_max_us"), 100.0);
     near(run.metric("step_time_p50_us"), 50.0, 0.0102);
     near(run.metric("step_time_p99_us"), 99.0, 0.0102);
+}
+
+/// What is kept of many runs holds the numbers, and no path.
+#[test]
+fn a_bare_measurement_has_the_numbers_alone() {
+    let whole = speeds((0..2000).map(|i| (0.001 * f64::from(i % 300), 0.0))).measured();
+    let (empty_profile, empty_track) = (Profile::new(), Track::new());
+    assert!(whole.profile != empty_profile && whole.track != empty_track);
+    let bare = whole.clone().bare();
+    assert_eq!(bare, Measured { profile: empty_profile, track: empty_track, ..whole });
 }
