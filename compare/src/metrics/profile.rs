@@ -111,3 +111,70 @@ impl Profile {
             .collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sums of 1, 3 and 6 at 0.1, 0.3 and 0.9 s: 1 and 2 in the first two quarters of a second, 3 in the
+    /// fourth. What happens at no time is told with what comes next.
+    #[test]
+    fn growth_goes_to_the_bin_of_its_time() {
+        let mut profile = Profile::new();
+        assert_eq!(profile.bin_s(), 0.25);
+        for (t_s, total) in [(0.1, 1.0), (f64::NAN, 2.0), (-1.0, 2.0), (0.3, 3.0), (0.9, 6.0)] {
+            profile.note(7, t_s, total);
+        }
+        assert_eq!(profile.contributions(7, 0.25), [1.0, 2.0, 0.0, 3.0]);
+        assert_eq!(profile.contributions(7, 0.5), [3.0, 3.0]);
+        assert_eq!(profile.contributions(7, 1.0), [6.0]);
+        assert!(profile.contributions(8, 0.25).is_empty());
+        // A metric that comes later has grown by nothing before.
+        profile.note(8, 0.6, 0.5);
+        assert_eq!(profile.contributions(8, 0.25), [0.0, 0.0, 0.5, 0.0]);
+        assert_eq!(profile.contributions(7, 0.25), [1.0, 2.0, 0.0, 3.0]);
+    }
+
+    /// A sum of 6 that is a metric of 0.6, and one that starts again.
+    #[test]
+    fn bins_add_up_to_the_metric() {
+        let mut profile = Profile::new();
+        profile.note(7, 0.1, 2.0);
+        profile.note(7, 0.3, 6.0);
+        profile.note(8, 0.1, 5.0);
+        profile.scale(7, 0.6);
+        profile.scale(9, 1.0);
+        let shares = profile.contributions(7, 0.25);
+        assert!((shares[0] - 0.2).abs() < 1e-12 && (shares[1] - 0.4).abs() < 1e-12);
+        assert_eq!(profile.contributions(8, 0.25), [5.0, 0.0]);
+        profile.forget(7);
+        profile.forget(9);
+        profile.note(7, 0.3, 1.5);
+        profile.scale(7, 3.0);
+        assert_eq!(profile.contributions(7, 0.25), [0.0, 3.0]);
+        // What came to nothing has no scale.
+        profile.forget(8);
+        profile.scale(8, 4.0);
+        assert_eq!(profile.contributions(8, 0.25), [0.0, 0.0]);
+    }
+
+    /// 1024 bins of 0.25 s end at 256 s. What comes then doubles them, once or as often as it takes.
+    #[test]
+    fn a_long_run_has_longer_bins() {
+        let mut profile = Profile::new();
+        for quarter in 0..1024 {
+            profile.note(7, 0.25 * f64::from(quarter), f64::from(quarter + 1));
+        }
+        assert_eq!((profile.bin_s(), profile.bins.len()), (0.25, 1024));
+        profile.note(7, 256.0, 1025.0);
+        assert_eq!((profile.bin_s(), profile.bins.len()), (0.5, 513));
+        let mut expected = vec![2.0; 512];
+        expected.push(1.0);
+        assert_eq!(profile.contributions(7, 0.5), expected);
+        profile.note(7, 2_000.0, 1030.0);
+        assert_eq!((profile.bin_s(), profile.bins.len()), (2.0, 1001));
+        let sums = profile.contributions(7, 2.0);
+        assert_eq!((sums[0], sums[127], sums[128], sums[1000]), (8.0, 8.0, 1.0, 5.0));
+        assert_eq!(sums.iter().sum::<f64>(), 1030.0);
+    }
+}
