@@ -148,3 +148,114 @@ impl Track {
         self.switches.iter().take_while(|switch| switch.t_s <= t_s).last()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(t_s: f64) -> TrackPoint {
+        TrackPoint {
+            t_s,
+            x_m: 0.0,
+            y_m: 0.0,
+            theta_rad: 0.0,
+            k: 1.0,
+            v_h_mps: 0.0,
+            v_s_mps: 0.0,
+            omega_h_radps: 0.0,
+            omega_s_radps: 0.0,
+            clearance_m: 0.0,
+            distance_human_m: 0.0,
+            lyapunov: 0.0,
+        }
+    }
+
+    fn switch(t_s: f64, k: f64, projected: bool) -> Switch {
+        Switch {
+            t_s,
+            k,
+            projected,
+            reason: Reason::Human,
+            region: Region::Safe,
+            distance_human_m: 0.0,
+            distance_before_m: 0.0,
+            v_h_mps: 0.0,
+            nearest_echo: None,
+            ended_by: None,
+            critical: None,
+        }
+    }
+
+    fn track(points: u32) -> Track {
+        let mut track = Track::new();
+        (0..points).for_each(|i| track.point(point(f64::from(i))));
+        track.finish();
+        track
+    }
+
+    fn times(points: &[&TrackPoint]) -> Vec<f64> {
+        points.iter().map(|point| point.t_s).collect()
+    }
+
+    /// Up to 512 points are all kept; of 513 every second one is, of 1,026 every fourth; and the last one
+    /// always, once.
+    #[test]
+    fn a_long_run_keeps_evenly_spaced_points_and_its_last() {
+        for (given, every, kept) in
+            [(0, 1, 0), (1, 1, 1), (512, 1, 512), (513, 2, 257), (514, 2, 258), (1_026, 4, 258)]
+        {
+            let track = track(given);
+            assert_eq!(track.points.len(), kept, "of {given}");
+            let [body @ .., _] = &track.points[..] else { continue };
+            let even = body.iter().enumerate().all(|(i, at)| at.t_s == f64::from(every * i as u32));
+            assert!(even, "of {given}");
+            assert_eq!(track.points.last().map(|at| at.t_s), Some(f64::from(given - 1)));
+        }
+    }
+
+    #[test]
+    fn thinning_leaves_out_evenly_and_keeps_the_last() {
+        let track = track(10);
+        assert_eq!(times(&track.thinned(10)).len(), 10);
+        assert_eq!(times(&track.thinned(5)), [0.0, 2.0, 4.0, 6.0, 8.0, 9.0]);
+        assert_eq!(times(&track.thinned(4)), [0.0, 3.0, 6.0, 9.0]);
+        assert_eq!(times(&track.thinned(1)), [0.0, 9.0]);
+        assert_eq!(times(&track.thinned(0)), [0.0, 9.0]);
+        assert!(Track::new().thinned(5).is_empty());
+    }
+
+    #[test]
+    fn a_switch_is_a_change_of_who_drives() {
+        let mut track = Track::new();
+        for (t_s, k, projected) in [
+            (1.0, 1.0, false),
+            (2.0, 1.0, false),
+            (3.0, 1.0, true),
+            (4.0, 0.0, true),
+            (5.0, 0.0, true),
+        ] {
+            track.switch(switch(t_s, k, projected));
+        }
+        let kept: Vec<f64> = track.switches.iter().map(|switch| switch.t_s).collect();
+        assert_eq!(kept, [1.0, 3.0, 4.0]);
+        let since = |t_s| track.driving_at(t_s).map(|switch| switch.t_s);
+        let asked = [0.5, 1.0, 2.9, 3.0, 100.0].map(since);
+        assert_eq!(asked, [None, Some(1.0), Some(1.0), Some(3.0), Some(4.0)]);
+    }
+
+    /// Of more than 4,096 switches the rest is not known: who drives after the last one kept neither.
+    #[test]
+    fn a_run_that_chatters_shows_its_first_switches() {
+        let mut track = Track::new();
+        for i in 0..4_095 {
+            track.switch(switch(f64::from(i), f64::from(i % 2), false));
+        }
+        assert!(track.driving_at(1e9).is_some());
+        for i in 4_095..5_000 {
+            track.switch(switch(f64::from(i), f64::from(i % 2), false));
+        }
+        assert_eq!(track.switches.len(), 4_096);
+        assert!(track.driving_at(4_095.5).is_none());
+        assert_eq!(track.driving_at(4_095.0).map(|switch| switch.t_s), Some(4_095.0));
+    }
+}
