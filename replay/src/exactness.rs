@@ -5,7 +5,9 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-use schemas::{Event, Gap, GyroBiasStep, Noise, Sample, Scenario, SensorSuite, SlipBurst, Span};
+use schemas::{
+    Event, Gap, GyroBiasStep, Noise, Sample, Scenario, SensorSuite, SlipBurst, Span, Step,
+};
 
 use crate::session::{record_seeded, record_with_gaps, scenario};
 use crate::{Mode, Person, Recording, Replay};
@@ -111,7 +113,7 @@ fn fifty_random_sessions_come_back() {
 fn a_recording_from_before_a_field_comes_back() {
     let scenario = scenario("random:rect:joystick:602", 3.0);
     let log = record_seeded(&scenario, "tandem-kinematic", SensorSuite::Sonar, 4);
-    let steps = |change: fn(&mut schemas::Step)| {
+    let steps = |change: fn(&mut Step)| {
         let mut log = record_seeded(&scenario, "tandem-kinematic", SensorSuite::Sonar, 4);
         for event in &mut log.events {
             if let Event::Step(step) = &mut event.value {
@@ -131,6 +133,48 @@ fn a_recording_from_before_a_field_comes_back() {
             let outcome = replay.finish().expect("has steps");
             assert_eq!(outcome.identical_to_recorded, identical, "{mode:?}");
             assert_eq!(outcome.max_deviation, None, "{mode:?}");
+        }
+    }
+}
+
+/// A recording that has a field, but for one step of it, or that has it in one step only, is not from before the
+/// field: it differs there, under the field's name, and its hash is another one.
+#[test]
+fn a_recording_that_lost_a_field_differs() {
+    let scenario = scenario("random:rect:joystick:602", 3.0);
+    let whole = record_seeded(&scenario, "tandem-kinematic", SensorSuite::Sonar, 4);
+    let count = whole.events.iter().filter(|event| matches!(event.value, Event::Step(_))).count();
+    let lost = |lost: &dyn Fn(usize) -> bool| {
+        let mut log = record_seeded(&scenario, "tandem-kinematic", SensorSuite::Sonar, 4);
+        let steps = log.events.iter_mut().filter_map(|event| match &mut event.value {
+            Event::Step(step) => Some(step),
+            _ => None,
+        });
+        steps.enumerate().filter(|(n, _)| lost(*n)).for_each(|(_, s)| s.safety_clear_m = None);
+        log.rewrite(&scenario);
+        log
+    };
+    for mode in [Mode::Open, Mode::Closed(Person::Playback)] {
+        let outcome = |log: &crate::session::Recorded| {
+            let mut replay = Replay::new(|| Ok(log.open()), &log.spec, mode).expect("replays");
+            while replay.next_event().is_some() {}
+            replay.finish().expect("has steps")
+        };
+        let all = outcome(&whole);
+        for (which, at_s) in [
+            (lost(&|n| n == 0), 0.0),
+            (lost(&|n| n == 7), 0.7),
+            (lost(&|n| n + 1 == count), 3.0),
+            (lost(&|n| n != 7), 0.0),
+        ] {
+            let outcome = outcome(&which);
+            assert!(!outcome.identical_to_recorded, "{mode:?} {at_s}");
+            assert_ne!(outcome.output_hash, outcome.recorded_hash, "{mode:?} {at_s}");
+            // What was replayed is the same, whatever the recording lost.
+            assert_eq!(outcome.output_hash, all.output_hash, "{mode:?} {at_s}");
+            let most = outcome.max_deviation.expect("something differs");
+            assert_eq!((most.field, most.amount), ("safety_clear_m", f64::INFINITY));
+            assert!((most.t_s - at_s).abs() < 1e-9, "{mode:?} {at_s}: {most:?}");
         }
     }
 }

@@ -24,6 +24,7 @@ impl Covered {
 }
 
 /// BLAKE3 over topic, time from the start and encoded bytes of each compared message, in order.
+#[derive(Clone)]
 pub struct OutputHash {
     covered: Covered,
     start: Time,

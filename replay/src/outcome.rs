@@ -12,7 +12,7 @@ use crate::{Covered, Horizon, OutputHash, ReplayError, WarmUp};
 pub struct Deviation {
     /// Name of the field.
     pub field: &'static str,
-    /// Absolute difference in the field's unit; +∞ where only one of the two is a number.
+    /// Absolute difference in the field's unit; +∞ where only one of the two is a number, or has the field.
     pub amount: f64,
     /// When, seconds from the start of the session.
     pub t_s: f64,
@@ -55,8 +55,40 @@ pub(crate) struct Tally {
     engaged_steps: u64,
     replayed: OutputHash,
     recorded: OutputHash,
+    lacking: Lacking,
     deviation: Option<Deviation>,
     pub(crate) damage: Option<Arc<LogError>>,
+}
+
+/// The fields that a recording lacks. Whether it is from before a field, or has it and lost it in some step,
+/// shows at its end only: until then both are kept.
+struct Lacking {
+    /// By field: whether a recorded step has it.
+    had: [bool; Step::FIELDS.len()],
+    /// By field: when a step was replayed with it and recorded without, first, seconds from the start.
+    left_out_s: [Option<f64>; Step::FIELDS.len()],
+    /// What was replayed with nothing left out of it, from where something is.
+    whole: Option<OutputHash>,
+}
+
+impl Lacking {
+    fn new() -> Lacking {
+        Lacking {
+            had: [false; Step::FIELDS.len()],
+            left_out_s: [None; Step::FIELDS.len()],
+            whole: None,
+        }
+    }
+
+    /// The first step that lacks what the recording otherwise has, and what.
+    fn lost(&self) -> Option<(f64, &'static str)> {
+        let fields = Step::FIELDS.iter().zip(self.had).zip(self.left_out_s);
+        fields
+            .filter_map(|((field, had), left_out_s)| {
+                Some((left_out_s.filter(|_| had)?, field.name))
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+    }
 }
 
 impl Tally {
@@ -69,6 +101,7 @@ impl Tally {
             engaged_steps: 0,
             replayed: OutputHash::new(covered, start),
             recorded: OutputHash::new(covered, start),
+            lacking: Lacking::new(),
             deviation: None,
             damage: None,
         }
@@ -80,42 +113,71 @@ impl Tally {
     pub(crate) fn replayed(&mut self, event: &Stamped<Event>, recorded: Option<&Step>) {
         self.first.get_or_insert(event.at);
         self.last = event.at;
-        let Event::Step(step) = &event.value else {
-            self.replayed.update(event);
-            return;
+        let step = match &event.value {
+            Event::Step(step) => step,
+            _ => return self.hash(event, event),
         };
         self.steps += 1;
         self.engaged_steps += u64::from(step.k == 0.0);
         match recorded.filter(|recorded| recorded.stamp == step.stamp) {
-            None => self.replayed.update(event),
+            None => self.hash(event, event),
             Some(recorded) => {
                 let mut alike = step.clone();
                 alike.leave_out_as(recorded);
-                self.compare_steps(&alike, recorded);
-                self.replayed.update(&Stamped { at: event.at, value: Event::Step(alike) });
+                self.compare_steps(step, recorded);
+                self.hash(&Stamped { at: event.at, value: Event::Step(alike) }, event);
             }
         }
     }
 
+    /// Adds what was replayed to its hashes: as far as the recording has it, and whole.
+    fn hash(&mut self, alike: &Stamped<Event>, whole: &Stamped<Event>) {
+        if let Some(hash) = &mut self.lacking.whole {
+            hash.update(whole);
+        }
+        self.replayed.update(alike);
+    }
+
     pub(crate) fn recorded(&mut self, event: &Stamped<Event>) {
+        if let Event::Step(step) = &event.value {
+            for (had, value) in self.lacking.had.iter_mut().zip(step.values()) {
+                *had |= value != Value::Absent;
+            }
+        }
         self.recorded.update(event);
     }
 
     fn compare_steps(&mut self, replayed: &Step, recorded: &Step) {
         let t_s = replayed.stamp.seconds_since(self.start);
-        for (field, (a, b)) in
-            Step::FIELDS.iter().zip(replayed.values().iter().zip(&recorded.values()))
-        {
-            let amount = difference(a, b);
+        let values = replayed.values().into_iter().zip(recorded.values());
+        for (number, (field, (a, b))) in Step::FIELDS.iter().zip(values).enumerate() {
+            if b == Value::Absent && a != Value::Absent {
+                self.lacking.left_out_s[number].get_or_insert(t_s);
+                // Up to here there is no difference between the two.
+                self.lacking.whole.get_or_insert_with(|| self.replayed.clone());
+                continue;
+            }
+            let amount = difference(&a, &b);
             if amount > self.deviation.as_ref().map_or(0.0, |largest| largest.amount) {
                 self.deviation = Some(Deviation { field: field.name, amount, t_s });
             }
         }
     }
 
-    pub(crate) fn finish(self) -> Result<Outcome, ReplayError> {
+    pub(crate) fn finish(mut self) -> Result<Outcome, ReplayError> {
         if self.steps == 0 {
             return Err(self.damage.map_or(ReplayError::NoStep, ReplayError::Log));
+        }
+        if let Some((t_s, field)) = self.lacking.lost() {
+            // The recording has the field: that a step of it has not is a difference like any other.
+            let amount = f64::INFINITY;
+            let known = self.deviation.as_ref().filter(|known| known.amount == amount);
+            if known.is_none_or(|known| t_s < known.t_s) {
+                self.deviation = Some(Deviation { field, amount, t_s });
+            }
+            if let Some(whole) = self.lacking.whole.take() {
+                self.replayed = whole;
+            }
         }
         let (output_hash, recorded_hash) = (self.replayed.hex(), self.recorded.hex());
         Ok(Outcome {
@@ -135,7 +197,8 @@ impl Tally {
     }
 }
 
-/// How far two numbers are apart. NaN equals NaN; a number and a NaN are infinitely far apart.
+/// How far two numbers are apart. NaN equals NaN; a number and a NaN are infinitely far apart, and so is
+/// what one of both does without.
 /// Names, flags and hashes have no distance: they are left to the hash and to `tandem diff`.
 fn difference(a: &Value, b: &Value) -> f64 {
     let number = |a: f64, b: f64| match (a.is_nan(), b.is_nan()) {
@@ -150,6 +213,8 @@ fn difference(a: &Value, b: &Value) -> f64 {
         (Value::Pose(a), Value::Pose(b)) => {
             number(a.x_m, b.x_m).max(number(a.y_m, b.y_m)).max(number(a.theta_rad, b.theta_rad))
         }
+        (Value::Absent, Value::Absent) => 0.0,
+        (Value::Absent, _) | (_, Value::Absent) => f64::INFINITY,
         _ => 0.0,
     }
 }

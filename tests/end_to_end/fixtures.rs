@@ -3,6 +3,9 @@
 use std::fs;
 use std::path::Path;
 
+use schemas::Event;
+use schemas::log::{LogReader, WriterOptions};
+
 use crate::program::{Workplace, fixtures};
 
 /// Copies one fixture of the repository into a folder of its own.
@@ -56,6 +59,36 @@ fn a_changed_gain_is_named_and_can_be_approved() {
     here.tandem("check fixtures").succeeds();
     let golden = fs::read_to_string(here.path("fixtures/case1/golden.toml")).unwrap();
     assert!(golden.contains("gamma3-raised-on-purpose"), "the reason is kept: {golden}");
+}
+
+/// A golden run that lacks a field in one step is another result, by name and time; one that is older than the
+/// field is not.
+#[test]
+fn a_golden_run_that_lost_a_field() {
+    let here = Workplace::new();
+    copy_fixture(&here, "case1-lab");
+    let golden = here.path("fixtures/case1-lab/golden.mcap");
+    let lose = |lost: &dyn Fn(f64) -> bool| {
+        let mut from = LogReader::open(fixtures().join("case1-lab/golden.mcap")).unwrap();
+        let options = WriterOptions { view: false, ..WriterOptions::offline() };
+        let mut to = schemas::log::create(&golden, from.header(), &options).unwrap();
+        while let Some(mut event) = from.next_event().unwrap() {
+            let at_s = event.at.seconds_since(schemas::SIMULATION_EPOCH);
+            if let Event::Step(step) = &mut event.value
+                && lost(at_s)
+            {
+                step.safety_clear_m = None;
+            }
+            to.write(&event).unwrap();
+        }
+        to.finish().unwrap();
+    };
+    lose(&|at_s| (3.99..4.01).contains(&at_s));
+    let run = here.tandem("check --format json fixtures").exits(1).json();
+    let what = run["problems"][0]["what"].as_str().unwrap();
+    assert!(what.contains("at 4.000 s safety_clear_m is absent in A"), "{what}");
+    lose(&|_| true);
+    here.tandem("check fixtures").succeeds();
 }
 
 #[test]

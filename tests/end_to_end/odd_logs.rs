@@ -69,6 +69,43 @@ fn seconds(event: &Stamped<Event>) -> f64 {
     event.at.seconds_since(schemas::SIMULATION_EPOCH)
 }
 
+/// The same log, without a field in the steps that are asked for.
+fn lose(from: &Path, to: &Path, lost: impl Fn(f64) -> bool) {
+    edit(from, to, |mut event| {
+        let at_s = seconds(&event);
+        if let Event::Step(step) = &mut event.value
+            && lost(at_s)
+        {
+            step.safety_clear_m = None;
+        }
+        Some(event)
+    });
+}
+
+/// A log that is older than a field comes back as it is; one that lacks the field in one step has lost it there,
+/// and `replay` and `diff` say where.
+#[test]
+fn a_field_that_is_not_there() {
+    let here = Workplace::new();
+    let whole = session(&here);
+    lose(&whole, &here.path("older.mcap"), |_| true);
+    lose(&whole, &here.path("lost.mcap"), |at_s| (3.99..4.01).contains(&at_s));
+    assert_eq!(replay(&here, "open", "older.mcap")["identical_to_recorded"], true);
+    here.tandem("diff older.mcap whole.mcap").succeeds();
+    let lost = replay(&here, "open", "lost.mcap");
+    assert_eq!(lost["identical_to_recorded"], false);
+    assert_eq!(lost["max_deviation_field"], "safety_clear_m");
+    assert_eq!(lost["max_deviation_at_s"], 4.0);
+    let text = here.tandem("replay lost.mcap").exits(1).stdout;
+    assert!(text.contains("safety_clear_m is known to one of both only at 4.00 s"), "{text}");
+    let diff = here.tandem("diff --format json whole.mcap lost.mcap").exits(1).json();
+    assert_eq!(diff["fields"].as_array().unwrap().len(), 1, "{diff}");
+    assert_eq!(diff["fields"][0]["count"], 1);
+    let cause = &diff["first_cause"];
+    assert_eq!((&cause["field"], &cause["t_s"]), (&"safety_clear_m".into(), &4.0.into()), "{diff}");
+    assert_eq!(cause["b"], "absent");
+}
+
 /// Twice replayed, it is twice the same. In open loop the recording controller says by its exit status
 /// whether it is the recording.
 fn replay(here: &Workplace, mode: &str, log: &str) -> Value {

@@ -42,6 +42,8 @@ pub(super) struct Candidate {
     pub(super) rank: (Node, bool),
     /// Position of the row, for two at the same stage.
     pub(super) order: usize,
+    /// Whether it is one of the fingerprints of hidden state.
+    pub(super) hidden_state: bool,
     pub(super) cause: FirstCause,
 }
 
@@ -66,9 +68,18 @@ impl First {
         so_far.as_ref().is_none_or(|first| (key, row.rank(), order) < first.rank())
     }
 
-    pub(super) fn take(&mut self, candidate: Candidate, hidden_state: bool) {
-        let so_far = if hidden_state { &mut self.hidden } else { &mut self.quantity };
+    pub(super) fn take(&mut self, candidate: Candidate) {
+        let hidden = candidate.hidden_state;
+        let so_far = if hidden { &mut self.hidden } else { &mut self.quantity };
         *so_far = Some(candidate);
+    }
+
+    /// The same, if it comes before the first one so far.
+    pub(super) fn take_if_earlier(&mut self, candidate: Candidate) {
+        let so_far = if candidate.hidden_state { &self.hidden } else { &self.quantity };
+        if so_far.as_ref().is_none_or(|first| candidate.rank() < first.rank()) {
+            self.take(candidate);
+        }
     }
 
     pub(super) fn cause(self) -> Option<FirstCause> {

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cause::{Candidate, First, FirstCause, sentence};
 use super::field::{FieldDifference, Row, command_rows, step_rows};
+use super::lacking::Lacking;
 use super::lag::Lag;
 use super::reading::{Cell, Reading, command_cells, step_cells};
 use super::tolerance::{Tolerance, Tolerances};
@@ -50,6 +51,8 @@ struct Waiting {
 struct Side {
     start: Time,
     queues: [VecDeque<Waiting>; 2],
+    /// By topic and row, whether any message has it.
+    has: [Vec<bool>; 2],
     ended: bool,
     /// Whether its law commands accelerations, from its first command.
     accelerates: Option<bool>,
@@ -71,6 +74,11 @@ impl Side {
             _ => return false,
         };
         let key = i128::from(stamp.0) - i128::from(self.start.0);
+        let has = &mut self.has[topic];
+        has.resize(cells.len(), false);
+        for (has, cell) in has.iter_mut().zip(&cells) {
+            *has |= !cell.is_absent();
+        }
         self.queues[topic].push_back(Waiting { key, cells });
         true
     }
@@ -85,6 +93,7 @@ struct Topic {
     tolerances: Vec<Option<Tolerance>>,
     found: Vec<Option<FieldDifference>>,
     lags: Vec<Lag>,
+    lacking: Lacking,
     only: [Option<FieldDifference>; 2],
     only_names: [&'static str; 2],
     node: Node,
@@ -106,6 +115,7 @@ impl Topic {
             tolerances: rows.iter().map(|row| tolerances.of(row)).collect(),
             found: rows.iter().map(|_| None).collect(),
             lags: rows.iter().map(|_| Lag::default()).collect(),
+            lacking: Lacking::default(),
             reason: rows.iter().position(|row| row.name == "reason"),
             rows,
             only: [None, None],
@@ -202,7 +212,11 @@ impl Differ {
         self.sides.iter_mut().for_each(|side| side.ended = true);
         self.match_waiting();
         let mut fields = Vec::new();
-        for topic in self.topics {
+        for (number, mut topic) in self.topics.into_iter().enumerate() {
+            let has = self.sides.each_ref().map(|side| side.has[number].as_slice());
+            let both_have = |row: usize| has.iter().all(|has| has.get(row).is_some_and(|has| *has));
+            let lacking = std::mem::take(&mut topic.lacking);
+            self.compared.differing += lacking.settle(both_have, &mut topic.found, &mut self.first);
             fields.extend(topic.only.into_iter().flatten());
             fields.extend(topic.found.into_iter().zip(topic.lags).filter_map(|(found, lag)| {
                 Some(FieldDifference { lag_steps: lag.steps(), ..found? })
@@ -269,6 +283,7 @@ impl Differ {
         let t_s = seconds(a.key);
         let topic = &mut self.topics[topic_index];
         let mut differs = false;
+        let mut lacking = Vec::new();
         for (i, (&cell_a, &cell_b)) in a.cells.iter().zip(&b.cells).enumerate() {
             let Some(tolerance) = topic.tolerances[i] else { continue };
             if let (Cell::Number(a), Cell::Number(b)) = (cell_a, cell_b)
@@ -279,25 +294,32 @@ impl Differ {
             if tolerance.same(cell_a, cell_b) {
                 continue;
             }
-            differs = true;
             let row = &topic.rows[i];
-            topic.found[i]
-                .get_or_insert_with(|| {
-                    FieldDifference::new(&row.name, row.node, &row.unit, t_s, tolerance)
-                })
-                .add(t_s, cell_a, cell_b);
+            let difference =
+                || FieldDifference::new(&row.name, row.node, &row.unit, t_s, tolerance);
             let order = topic.first_order + i;
-            if self.first.is_beaten_by(a.key, row, order) {
+            let first = || {
                 let said = topic.reason.and_then(|r| match (a.cells[r], b.cells[r]) {
                     (Cell::Name(a), Cell::Name(b)) => Some((a, b)),
                     _ => None,
                 });
-                let candidate = candidate(a.key, order, row, (cell_a, cell_b), said);
-                self.first.take(candidate, row.hidden_state);
+                candidate(a.key, order, row, (cell_a, cell_b), said)
+            };
+            if cell_a.is_absent() || cell_b.is_absent() {
+                topic.lacking.add(i, t_s, difference, first);
+                lacking.push(i);
+                continue;
+            }
+            differs = true;
+            topic.found[i].get_or_insert_with(difference).add(t_s, cell_a, cell_b);
+            if self.first.is_beaten_by(a.key, row, order) {
+                self.first.take(first());
             }
         }
         if differs {
             self.compared.differing += 1;
+        } else {
+            topic.lacking.message(lacking);
         }
     }
 
@@ -326,7 +348,7 @@ impl Differ {
             let (has, lacks) = if side == 0 { ("A", "B") } else { ("B", "A") };
             candidate.cause.reason =
                 format!("at {t_s:.3} s {has} has a {what} that {lacks} does not have");
-            self.first.take(candidate, false);
+            self.first.take(candidate);
         }
     }
 }
@@ -350,7 +372,7 @@ fn candidate(
         b,
         reason,
     };
-    Candidate { key, rank: row.rank(), order, cause }
+    Candidate { key, rank: row.rank(), order, hidden_state: row.hidden_state, cause }
 }
 
 /// Compares two runs, reading each no further ahead than the other.

@@ -96,7 +96,7 @@ pub struct FieldDifference {
     pub first_at_s: f64,
     /// In how many messages it differs.
     pub count: u64,
-    /// In how many of these only one of the runs has a number (the other NaN).
+    /// In how many of these only one of the runs has a number (the other NaN, or nothing there).
     pub undefined: u64,
     /// By how many steps the second run lags behind the first, negative where it leads; `None` where
     /// no shift of up to five steps explains at least nine tenths of the squared difference.
@@ -147,5 +147,19 @@ impl FieldDifference {
         if self.max_rel.is_none_or(|most| relative > most) {
             self.max_rel = Some(relative);
         }
+    }
+
+    /// Counts one more message in which one of the runs lacks the field.
+    pub(super) fn count_lacking(&mut self, t_s: f64) {
+        self.count += 1;
+        self.undefined += 1;
+        self.first_at_s = self.first_at_s.min(t_s);
+    }
+
+    /// Adds the messages of `lacking`, in which one of the runs lacks the field.
+    pub(super) fn merge(&mut self, lacking: &FieldDifference) {
+        self.count += lacking.count;
+        self.undefined += lacking.undefined;
+        self.first_at_s = self.first_at_s.min(lacking.first_at_s);
     }
 }

@@ -7,11 +7,13 @@
 //! Where one run says the same some steps later, the field's row says by how many.
 //!
 //! NaN equals NaN: both runs do not know. NaN against a number is a difference. A step or command
-//! that only one run has is a difference, with a row of its own.
+//! that only one run has is a difference, with a row of its own. A field that one run has in no step says
+//! nothing; one that it has in some steps is compared in all.
 
 mod cause;
 mod differ;
 mod field;
+mod lacking;
 mod lag;
 mod reading;
 mod tolerance;

@@ -11,7 +11,7 @@ pub enum Reading {
     Number(f64),
     /// Yes or no.
     Flag(bool),
-    /// A name, or a hash in hexadecimal.
+    /// A name, or a hash in hexadecimal; `absent` for a field that a step does without.
     Text(String),
 }
 
@@ -82,6 +82,10 @@ pub(super) enum Cell {
 }
 
 impl Cell {
+    pub(super) fn is_absent(self) -> bool {
+        matches!(self, Cell::Absent)
+    }
+
     pub(super) fn reading(self) -> Reading {
         match self {
             Cell::Number(x) => Reading::Number(x),
@@ -89,7 +93,7 @@ impl Cell {
             Cell::Hash(hash) => Reading::Text(format!("{hash:016x}")),
             Cell::Flag(yes) => Reading::Flag(yes),
             Cell::Name(name) => Reading::Text(name.to_owned()),
-            Cell::Absent => Reading::Number(f64::NAN),
+            Cell::Absent => Reading::Text("absent".to_owned()),
         }
     }
 }

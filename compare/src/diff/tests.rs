@@ -74,6 +74,50 @@ fn a_field_that_one_run_lacks_says_nothing() {
     assert_eq!(fields(&between(&a, &far, &Tolerances::practical())), ["safety_clear_m"]);
 }
 
+/// A run that has a field in some steps and lacks it in one is not from before it: it differs there, and
+/// nowhere else, whichever side it is on and whenever the step comes.
+#[test]
+fn a_field_that_a_run_lost_is_a_difference() {
+    let clear = |lost: Option<usize>| {
+        (0..3).fold(run(), |run, n| {
+            with_step(run, n, |step| step.safety_clear_m = (lost != Some(n)).then_some(0.31))
+        })
+    };
+    let never = with_step(clear(Some(0)), 1, |step| step.safety_clear_m = None);
+    let never = with_step(never, 2, |step| step.safety_clear_m = None);
+    assert!(exact(&clear(None), &never).same && exact(&never, &clear(None)).same);
+    for (n, t_s) in [(0, 0.0), (1, 0.1), (2, 0.2)] {
+        for (a, b) in [(clear(None), clear(Some(n))), (clear(Some(n)), clear(None))] {
+            let diff = exact(&a, &b);
+            assert!(!diff.same && !diff.same_behaviour);
+            assert_eq!(fields(&diff), ["safety_clear_m"]);
+            let field = &diff.fields[0];
+            assert_eq!((field.first_at_s, field.count, field.undefined), (t_s, 1, 1));
+            assert_eq!((field.max_abs, diff.compared.differing), (None, 1));
+            let cause = diff.first_cause.expect("something differs");
+            assert_eq!((cause.t_s, cause.node.as_str()), (t_s, "distances"));
+            assert!(cause.reason.contains("safety_clear_m is"), "{}", cause.reason);
+            assert!(cause.reason.contains("absent in "), "{}", cause.reason);
+            assert!(cause.reason.contains("0.310 m in "), "{}", cause.reason);
+        }
+    }
+    // Each has it where the other lacks it; and beside a difference in amount.
+    let diff = exact(&clear(Some(0)), &clear(Some(2)));
+    assert_eq!((diff.fields[0].count, diff.compared.differing), (2, 2));
+    let other = with_step(clear(Some(0)), 2, |step| {
+        (step.safety_clear_m, step.d1_m) = (Some(0.41), 2.0);
+    });
+    let diff = exact(&clear(None), &other);
+    assert_eq!(fields(&diff), ["d1_m", "safety_clear_m"]);
+    let field = &diff.fields[1];
+    assert_eq!((field.first_at_s, field.count, field.undefined), (0.0, 2, 1));
+    assert!((field.max_abs.expect("both have a number at 0.2 s") - 0.1).abs() < 1e-12);
+    assert_eq!((diff.compared.differing, diff.first_cause.expect("differs").t_s), (2, 0.0));
+    // A message that only one run lacks a field in is no difference where the field is ignored.
+    let ignoring = Tolerances::from_toml("ignore = [\"safety_clear_m\"]").expect("valid");
+    assert!(between(&clear(None), &clear(Some(1)), &ignoring).same);
+}
+
 #[test]
 fn only_the_time_from_the_start_counts() {
     let mut later = run();

@@ -40,8 +40,7 @@ pub struct Tolerance {
 }
 
 impl Tolerance {
-    /// Whether the two count as the same. NaN equals NaN; a number never equals NaN. A field that only one
-    /// run has, since the other is from before it was recorded or has nothing of the kind, says nothing.
+    /// Whether the two count as the same. NaN equals NaN; a number never equals NaN, nor anything nothing.
     pub(super) fn same(self, a: Cell, b: Cell) -> bool {
         match (a, b) {
             (Cell::Number(a), Cell::Number(b)) => {
@@ -57,7 +56,7 @@ impl Tolerance {
             (Cell::Hash(a), Cell::Hash(b)) => a == b,
             (Cell::Flag(a), Cell::Flag(b)) => a == b,
             (Cell::Name(a), Cell::Name(b)) => a == b,
-            (Cell::Absent, _) | (_, Cell::Absent) => true,
+            (Cell::Absent, Cell::Absent) => true,
             _ => false,
         }
     }

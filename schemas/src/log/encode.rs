@@ -13,7 +13,7 @@ use crate::{
 ///
 /// The bytes are canonical: equal events give equal bytes, every NaN is the same NaN, and there is
 /// no negative zero. Writing a log and hashing a run go by them alike.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Encoder {
     buffer: Vec<u8>,
 }
