@@ -11,7 +11,6 @@
 //! [`Outcome`] that says whether they are those of the recording, bit for bit. Replay re-executes:
 //! nothing that the recorded controller said is ever copied into a result.
 
-mod angle;
 mod closed;
 mod error;
 #[cfg(test)]

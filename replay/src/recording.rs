@@ -11,11 +11,11 @@ use std::sync::Arc;
 use schemas::log::{LogError, LogReader, Topic};
 use schemas::{
     Event, Explored, Gap, Header, JoystickSample, Plant, Pose, Sample, Span, Time, Truth, World,
+    wrap,
 };
 use simulator::{JOYSTICK_PERIOD, Request};
 
 use crate::ReplayError;
-use crate::angle::wrap;
 use crate::human::Explanations;
 pub(crate) use coverage::Coverage;
 

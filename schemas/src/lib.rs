@@ -8,6 +8,7 @@
 //!
 //! Frames follow REP 103 (x forward, y left, counter-clockwise positive); SI units throughout.
 
+mod angle;
 mod command;
 mod event;
 mod explored;
@@ -26,6 +27,7 @@ pub mod view;
 mod wire;
 mod world;
 
+pub use angle::wrap;
 pub use command::Command;
 pub use event::{Event, Pulled, Source};
 pub use explored::{Cell, Explored};

@@ -10,9 +10,7 @@
 //! seen as it was one reaction time ago. It is a family to compare people with, not a claim about
 //! them: what it leaves unexplained is carried as the residual.
 
-use schemas::{Pose, Task};
-
-use crate::angle::wrap;
+use schemas::{Pose, Task, wrap};
 
 /// A person with a task looks this far ahead of its target, seconds. The joystick does not tell how
 /// far a person looks ahead; this is the usual preview of manual tracking.

@@ -3,12 +3,11 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use schemas::Pose;
+use schemas::{Pose, wrap};
 
 use super::anchored::Model;
 use super::bearing::{Gains, ask};
 use super::goals::{Explained, GRID_M, delay_ticks, explain};
-use crate::angle::wrap;
 use crate::recording::{Recording, State};
 
 /// State distances that count as one: metres and radians.

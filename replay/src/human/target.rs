@@ -3,10 +3,9 @@
 //! What a person asks for points somewhere: to the end of the joystick's arc some time ahead. A
 //! robot that is elsewhere gets there on another arc.
 
-use schemas::Pose;
+use schemas::{Pose, wrap};
 
 use super::anchored::Model;
-use crate::angle::wrap;
 use crate::recording::State;
 
 /// How far ahead the joystick's arc is followed, seconds.

@@ -2,12 +2,11 @@
 //! the estimates steer for what the person steered for.
 
 use super::*;
-use crate::angle::wrap;
 use crate::recording::{Moment, State};
 use crate::session::{record, scenario};
 use crate::{Mode, Replay};
 use proptest::prelude::*;
-use schemas::{Pose, SIMULATION_EPOCH, SensorSuite};
+use schemas::{Pose, SIMULATION_EPOCH, SensorSuite, wrap};
 use simulator::{HumanView, JOYSTICK_PERIOD, Request};
 
 fn levels() -> [Person; 4] {

@@ -2,9 +2,7 @@
 
 use std::collections::VecDeque;
 
-use schemas::{Header, Pose, SONARS, SonarEcho, SonarScan, Span, Time};
-
-use crate::angle::wrap;
+use schemas::{Header, Pose, SONARS, SonarEcho, SonarScan, Span, Time, wrap};
 
 /// Farther echoes say too little about where they came from, metres.
 const REACH_M: f64 = 3.5;

@@ -15,9 +15,7 @@ mod script;
 mod tracker;
 mod tremor;
 
-use core::f64::consts::{PI, TAU};
-
-use schemas::{Driver, Pose, Scenario, Time};
+use schemas::{Driver, Pose, Scenario, Time, wrap};
 
 use crate::SimulatorError;
 
@@ -97,11 +95,6 @@ pub fn driver(
         None => steady,
         Some(noise) => Box::new(tremor::Tremor::new(steady, noise, seed)),
     })
-}
-
-/// The same angle in [-π, π).
-fn wrap(angle_rad: f64) -> f64 {
-    (angle_rad + PI).rem_euclid(TAU) - PI
 }
 
 #[cfg(test)]

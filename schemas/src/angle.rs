@@ -2,8 +2,8 @@
 
 use core::f64::consts::{PI, TAU};
 
-/// The same angle in [-π, π).
-pub(crate) fn wrap(angle_rad: f64) -> f64 {
+/// The same angle in [-π, π), radians; NaN for what is not finite.
+pub fn wrap(angle_rad: f64) -> f64 {
     let turned_rad = angle_rad + PI;
     // Within a turn of the interval the remainder is plain, and the same to the bit; it is costly.
     let remainder_rad = if (0.0..TAU).contains(&turned_rad) {
