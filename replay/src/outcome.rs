@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use schemas::log::LogError;
-use schemas::{Event, Stamped, Step, Time, Value};
+use schemas::{Event, Field, Stamped, Step, Time, Value, wrap};
 
 use crate::{Covered, Horizon, OutputHash, ReplayError, WarmUp};
 
@@ -157,7 +157,7 @@ impl Tally {
                 self.lacking.whole.get_or_insert_with(|| self.replayed.clone());
                 continue;
             }
-            let amount = difference(&a, &b);
+            let amount = difference(field, &a, &b);
             if amount > self.deviation.as_ref().map_or(0.0, |largest| largest.amount) {
                 self.deviation = Some(Deviation { field: field.name, amount, t_s });
             }
@@ -197,24 +197,54 @@ impl Tally {
     }
 }
 
-/// How far two numbers are apart. NaN equals NaN; a number and a NaN are infinitely far apart, and so is
+/// How far two values of a field are apart, directions the short way round. NaN equals NaN; a number and a NaN are infinitely far apart, and so is
 /// what one of both does without.
 /// Names, flags and hashes have no distance: they are left to the hash and to `tandem diff`.
-fn difference(a: &Value, b: &Value) -> f64 {
-    let number = |a: f64, b: f64| match (a.is_nan(), b.is_nan()) {
+fn difference(field: &Field, a: &Value, b: &Value) -> f64 {
+    let apart = |off: f64, direction: bool| if direction { wrap(off).abs() } else { off.abs() };
+    let of = |a: f64, b: f64, direction: bool| match (a.is_nan(), b.is_nan()) {
         _ if a.to_bits() == b.to_bits() => 0.0,
         (true, true) => 0.0,
-        (false, false) => (a - b).abs(),
+        (false, false) => apart(a - b, direction && (a - b).is_finite()),
         _ => f64::INFINITY,
     };
+    let number = |a: f64, b: f64| of(a, b, field.is_direction());
     match (a, b) {
         (Value::Number(a), Value::Number(b)) => number(*a, *b),
         (Value::Pair(a), Value::Pair(b)) => number(a[0], b[0]).max(number(a[1], b[1])),
         (Value::Pose(a), Value::Pose(b)) => {
-            number(a.x_m, b.x_m).max(number(a.y_m, b.y_m)).max(number(a.theta_rad, b.theta_rad))
+            number(a.x_m, b.x_m).max(number(a.y_m, b.y_m)).max(of(a.theta_rad, b.theta_rad, true))
         }
         (Value::Absent, Value::Absent) => 0.0,
         (Value::Absent, _) | (_, Value::Absent) => f64::INFINITY,
         _ => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use schemas::Pose;
+
+    use super::*;
+
+    /// A turn rate of 3.14 and one of −3.14 are far apart, two directions are not: 2π − 6.28.
+    #[test]
+    fn directions_differ_the_short_way_round() {
+        let apart = |name: &str, a: Value, b: Value| {
+            let field = Step::FIELDS.iter().find(|field| field.name == name).expect("is there");
+            difference(field, &a, &b)
+        };
+        let small = core::f64::consts::TAU - 6.28;
+        let (a, b) = (Value::Number(3.14), Value::Number(-3.14));
+        for field in ["yaw_rad", "psi_rad", "theta_e_rad"] {
+            assert!((apart(field, a, b) - small).abs() < 1e-12, "{field}");
+            assert_eq!(apart(field, a, Value::Number(f64::NAN)), f64::INFINITY);
+            assert_eq!(apart(field, a, Value::Number(f64::INFINITY)), f64::INFINITY);
+        }
+        for field in ["omega_radps", "sigma_theta_rad", "d1_m"] {
+            assert_eq!(apart(field, a, b), 6.28, "{field}");
+        }
+        let pose = |theta_rad| Value::Pose(Pose { x_m: 1.0, y_m: 2.0, theta_rad });
+        assert!((apart("pose", pose(3.14), pose(-3.14)) - small).abs() < 1e-12);
     }
 }

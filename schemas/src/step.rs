@@ -63,6 +63,14 @@ pub struct Field {
     pub unit: &'static str,
 }
 
+impl Field {
+    /// Whether it is a direction, which is the same after a whole turn: in radians, and no standard
+    /// deviation. Of a pose, the heading is one whatever this says of the whole.
+    pub fn is_direction(&self) -> bool {
+        self.unit == "rad" && !self.name.starts_with("sigma_")
+    }
+}
+
 /// The value of one field.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
@@ -673,6 +681,17 @@ mod tests {
         let mut like_new = step.clone();
         like_new.leave_out_as(&step);
         assert_eq!(format!("{like_new:?}"), format!("{step:?}"));
+    }
+
+    #[test]
+    fn directions_are_told_from_rates_and_deviations() {
+        let directions: Vec<&str> = Step::FIELDS
+            .iter()
+            .filter(|field| field.is_direction())
+            .map(|field| field.name)
+            .collect();
+        let all = ["roll_rad", "pitch_rad", "yaw_rad", "psi_rad", "theta_e_rad", "theta_star_rad"];
+        assert_eq!(directions, all);
     }
 
     #[test]

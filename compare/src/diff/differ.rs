@@ -114,7 +114,7 @@ impl Topic {
         Topic {
             tolerances: rows.iter().map(|row| tolerances.of(row)).collect(),
             found: rows.iter().map(|_| None).collect(),
-            lags: rows.iter().map(|_| Lag::default()).collect(),
+            lags: rows.iter().map(Lag::of).collect(),
             lacking: Lacking::default(),
             reason: rows.iter().position(|row| row.name == "reason"),
             rows,
@@ -291,12 +291,11 @@ impl Differ {
             {
                 topic.lags[i].pair(a, b);
             }
-            if tolerance.same(cell_a, cell_b) {
+            if tolerance.same(&topic.rows[i], cell_a, cell_b) {
                 continue;
             }
             let row = &topic.rows[i];
-            let difference =
-                || FieldDifference::new(&row.name, row.node, &row.unit, t_s, tolerance);
+            let difference = || FieldDifference::of(row, t_s, tolerance);
             let order = topic.first_order + i;
             let first = || {
                 let said = topic.reason.and_then(|r| match (a.cells[r], b.cells[r]) {
@@ -311,7 +310,7 @@ impl Differ {
                 continue;
             }
             differs = true;
-            topic.found[i].get_or_insert_with(difference).add(t_s, cell_a, cell_b);
+            topic.found[i].get_or_insert_with(difference).add(t_s, row, cell_a, cell_b);
             if self.first.is_beaten_by(a.key, row, order) {
                 self.first.take(first());
             }
@@ -339,6 +338,7 @@ impl Differ {
             node: topic.node,
             unit: String::new(),
             hidden_state: false,
+            direction: false,
         };
         let order = topic.first_order - 1;
         if self.first.is_beaten_by(message.key, &row, order) {

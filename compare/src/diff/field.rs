@@ -1,6 +1,6 @@
 //! The rows of a diff: one per comparable component of a step or a command.
 
-use schemas::{Node, Pose, Step, Time, Value};
+use schemas::{Node, Pose, Step, Time, Value, wrap};
 use serde::{Deserialize, Serialize};
 
 use super::reading::Cell;
@@ -15,6 +15,8 @@ pub(super) struct Row {
     /// A fingerprint of what other rows show or of what no row shows: never the first cause while
     /// a quantity can be it.
     pub(super) hidden_state: bool,
+    /// A direction, which is the same after a whole turn.
+    pub(super) direction: bool,
 }
 
 /// What the target is told by. It follows from request and estimate alone, and the frame in which
@@ -23,6 +25,11 @@ const TARGET: [&str; 5] =
     ["reference_source", "target_x_m", "target_y_m", "target_vx_mps", "target_vy_mps"];
 
 impl Row {
+    /// How far two numbers of this row are apart, directions the short way round.
+    pub(super) fn apart(&self, a: f64, b: f64) -> f64 {
+        apart(self.direction, a, b)
+    }
+
     /// Whether it tells of the target.
     pub(super) fn is_target(&self) -> bool {
         TARGET.contains(&self.name.as_str())
@@ -32,6 +39,13 @@ impl Row {
     pub(super) fn rank(&self) -> (Node, bool) {
         if self.is_target() { (Node::Estimate, true) } else { (self.node, false) }
     }
+}
+
+/// How far two numbers are apart, directions the short way round.
+pub(super) fn apart(direction: bool, a: f64, b: f64) -> f64 {
+    let off = a - b;
+    // Infinities have no direction.
+    libm::fabs(if direction && off.is_finite() { wrap(off) } else { off })
 }
 
 /// The rows of a step: its index, then every field's components in causal order.
@@ -50,10 +64,14 @@ pub(super) fn step_rows() -> Vec<Row> {
             }
             Value::Pose(Pose { .. }) => {
                 for part in ["x_m", "y_m", "theta_rad"] {
-                    rows.push(row(&format!("{}.{part}", field.name), field.node, unit()));
+                    let row = row(&format!("{}.{part}", field.name), field.node, unit());
+                    rows.push(Row { direction: part == "theta_rad", ..row });
                 }
             }
-            _ => rows.push(row(field.name, field.node, field.unit)),
+            _ => rows.push(Row {
+                direction: field.is_direction(),
+                ..row(field.name, field.node, field.unit)
+            }),
         }
     }
     rows
@@ -72,7 +90,13 @@ pub(super) fn command_rows() -> Vec<Row> {
 }
 
 fn row(name: &str, node: Node, unit: &str) -> Row {
-    Row { name: name.to_owned(), node, unit: unit.to_owned(), hidden_state: name == "state_hash" }
+    Row {
+        name: name.to_owned(),
+        node,
+        unit: unit.to_owned(),
+        hidden_state: name == "state_hash",
+        direction: false,
+    }
 }
 
 /// How one field differs between two runs.
@@ -85,7 +109,7 @@ pub struct FieldDifference {
     pub node: String,
     /// Unit; empty without one.
     pub unit: String,
-    /// Largest |a − b| over the messages that differ; `None` where no difference is a finite
+    /// Largest |a − b|, of directions the short way round, over the messages that differ; `None` where no difference is a finite
     /// number (a name, a hash, a number against NaN).
     pub max_abs: Option<f64>,
     /// When that was, seconds from the start.
@@ -106,6 +130,11 @@ pub struct FieldDifference {
 }
 
 impl FieldDifference {
+    /// None yet of a row.
+    pub(super) fn of(row: &Row, t_s: f64, tolerance: Tolerance) -> Self {
+        Self::new(&row.name, row.node, &row.unit, t_s, tolerance)
+    }
+
     pub(super) fn new(name: &str, node: Node, unit: &str, t_s: f64, tolerance: Tolerance) -> Self {
         FieldDifference {
             field: name.to_owned(),
@@ -123,7 +152,7 @@ impl FieldDifference {
     }
 
     /// Counts one more message in which the field differs.
-    pub(super) fn add(&mut self, t_s: f64, a: Cell, b: Cell) {
+    pub(super) fn add(&mut self, t_s: f64, row: &Row, a: Cell, b: Cell) {
         self.count += 1;
         self.first_at_s = self.first_at_s.min(t_s);
         let (a, b) = match (a, b) {
@@ -134,7 +163,7 @@ impl FieldDifference {
         if a.is_nan() != b.is_nan() {
             self.undefined += 1;
         }
-        let apart = libm::fabs(a - b);
+        let apart = row.apart(a, b);
         if !apart.is_finite() {
             return;
         }

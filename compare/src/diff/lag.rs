@@ -5,6 +5,8 @@
 
 use std::collections::VecDeque;
 
+use super::field::{Row, apart};
+
 /// Longest shift that is tried, steps.
 const MOST: usize = 5;
 
@@ -17,6 +19,8 @@ const LEFT_OVER: f64 = 0.1;
 /// One number of both runs, step by step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lag {
+    /// Whether it is a direction: the short way round counts.
+    direction: bool,
     /// The last few pairs, the newest first.
     past: VecDeque<[f64; 2]>,
     /// Sums of squares for shifts −5 … 5; positive where B lags.
@@ -25,6 +29,11 @@ pub(super) struct Lag {
 }
 
 impl Lag {
+    /// Of a row, before its first step.
+    pub(super) fn of(row: &Row) -> Lag {
+        Lag { direction: row.direction, ..Lag::default() }
+    }
+
     /// Takes in what both say at the next step that both have.
     pub(super) fn pair(&mut self, a: f64, b: f64) {
         self.past.push_front([a, b]);
@@ -36,9 +45,13 @@ impl Lag {
         }
         self.compared += 1;
         for (shift, [a_before, b_before]) in self.past.iter().enumerate() {
-            self.squares[MOST + shift] += (b - a_before) * (b - a_before);
+            let squared = |x, y| {
+                let off = apart(self.direction, x, y);
+                off * off
+            };
+            self.squares[MOST + shift] += squared(b, *a_before);
             if shift > 0 {
-                self.squares[MOST - shift] += (a - b_before) * (a - b_before);
+                self.squares[MOST - shift] += squared(a, *b_before);
             }
         }
     }
@@ -89,6 +102,19 @@ mod tests {
         assert_eq!(lag(|a, i| 2.0 * a(i)), None);
         assert_eq!(lag(|_, i| f64::from(u8::from(i % 7 == 0))), None);
         assert_eq!(lag(|_, _| f64::NAN), None);
+    }
+
+    /// A direction that turns on past half a turn, two steps later in B.
+    #[test]
+    fn directions_are_shifted_the_short_way_round() {
+        let direction = |i: f64| schemas::wrap(0.4 * i);
+        let mut lag = Lag { direction: true, ..Lag::default() };
+        // A turn more in A now and then is the same direction.
+        let turns = |i: i32| if i % 3 == 0 { core::f64::consts::TAU } else { 0.0 };
+        for i in 5..60 {
+            lag.pair(direction(f64::from(i)) + turns(i), direction(f64::from(i - 2)));
+        }
+        assert_eq!(lag.steps(), Some(2));
     }
 
     #[test]

@@ -152,6 +152,45 @@ fn a_number_tells_how_far_how_often_and_since_when() {
     assert_eq!(diff.compared.differing, 2);
 }
 
+/// 3.14 and −3.14 are 2π − 6.28 apart as directions, and 6.28 as rates and deviations. To the bit they are
+/// not the same, nor is a direction a whole turn further.
+#[test]
+fn directions_differ_the_short_way_round() {
+    let small = std::f64::consts::TAU - 6.28;
+    let both = |set: fn(&mut schemas::Step, f64)| {
+        let with = |value| with_step(run(), 1, |step| set(step, value));
+        exact(&with(3.14), &with(-3.14)).fields.remove(0)
+    };
+    for (name, set) in [
+        ("pose.theta_rad", (|s, x| s.pose.theta_rad = x) as fn(&mut schemas::Step, f64)),
+        ("roll_rad", |s, x| s.roll_rad = x),
+        ("pitch_rad", |s, x| s.pitch_rad = x),
+        ("yaw_rad", |s, x| s.yaw_rad = x),
+        ("psi_rad", |s, x| s.psi_rad = x),
+        ("theta_e_rad", |s, x| s.theta_e_rad = x),
+        ("theta_star_rad", |s, x| s.theta_star_rad = x),
+    ] {
+        let field = both(set);
+        assert_eq!(field.field, name);
+        assert!((field.max_abs.expect("two numbers") - small).abs() < 1e-12, "{field:?}");
+        assert!((field.max_rel.expect("two numbers") - small / 3.14).abs() < 1e-12, "{field:?}");
+    }
+    for set in [
+        (|s, x| s.omega_radps = x) as fn(&mut schemas::Step, f64),
+        |s, x| s.sigma_theta_rad = x,
+        |s, x| s.u_f[1] = x,
+        |s, x| s.pose.y_m = x,
+    ] {
+        assert_eq!(both(set).max_abs, Some(6.28));
+    }
+    let heading = |theta_rad| with_step(run(), 1, |step| step.pose.theta_rad = theta_rad);
+    let (east, once_round) = (heading(0.5), heading(0.5 + std::f64::consts::TAU));
+    assert!(!exact(&east, &once_round).same);
+    assert!(between(&east, &once_round, &Tolerances::practical()).same);
+    assert!(!between(&east, &heading(0.502), &Tolerances::practical()).same);
+    assert_eq!(fields(&exact(&heading(f64::INFINITY), &heading(f64::NEG_INFINITY))).len(), 1);
+}
+
 #[test]
 fn nan_against_a_number_is_a_difference_without_an_amount() {
     let b = with_step(run(), 0, |step| step.z1 = 0.25);

@@ -41,16 +41,18 @@ pub struct Tolerance {
 
 impl Tolerance {
     /// Whether the two count as the same. NaN equals NaN; a number never equals NaN, nor anything nothing.
-    pub(super) fn same(self, a: Cell, b: Cell) -> bool {
+    /// Directions are as far apart as the short way round.
+    pub(super) fn same(self, row: &Row, a: Cell, b: Cell) -> bool {
         match (a, b) {
             (Cell::Number(a), Cell::Number(b)) => {
                 if a == b || (a.is_nan() && b.is_nan()) {
                     return true;
                 }
-                let apart = libm::fabs(a - b);
+                let apart = row.apart(a, b);
                 let larger = libm::fabs(a).max(libm::fabs(b));
                 // An infinity is equal to itself only, whatever the tolerance.
-                apart.is_finite() && (apart <= self.abs || apart <= self.rel * larger)
+                let within = |most: f64| most > 0.0 && apart <= most;
+                apart.is_finite() && (within(self.abs) || within(self.rel * larger))
             }
             (Cell::Integer(a), Cell::Integer(b)) => a == b,
             (Cell::Hash(a), Cell::Hash(b)) => a == b,
