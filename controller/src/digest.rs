@@ -1,27 +1,47 @@
 //! A small hash over numbers, so that two runs can be told apart at every step.
 //!
 //! FNV-1a over 64-bit words instead of bytes, with the high half folded into the low one after each
-//! word: h ← (h ⊕ word) · 0x100000001b3; h ← h ⊕ (h >> 32). Not cryptographic. Each round is a
-//! bijection of h, so two states that differ in one word always differ in their hash.
+//! word: h ← (h ⊕ word) · 0x100000001b3; h ← h ⊕ (h >> 32). Four such hashes take turns, so that a
+//! word waits for the one four before it and not for the last; at the end a fifth takes them in like words. Not cryptographic. Each round is a bijection of its h, so two states that differ
+//! in one word always differ in their hash.
 
 use schemas::{Pose, Time};
 
+/// FNV's prime for 64 bits.
+const PRIME: u64 = 0x0000_0100_0000_01b3;
+
+/// FNV's offset basis for 64 bits.
+const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// How many hashes take turns: a round lasts about six cycles of a processor that can begin one or two in
+/// each.
+const LANES: usize = 4;
+
 /// A hash in the making.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Digest(u64);
+pub(crate) struct Digest {
+    /// The one whose turn it is comes first.
+    lanes: [u64; LANES],
+}
 
 impl Default for Digest {
     fn default() -> Digest {
-        // FNV's offset basis.
-        Digest(0xcbf2_9ce4_8422_2325)
+        // Each begins with another number, so that it counts in which one a word is.
+        Digest { lanes: std::array::from_fn(|lane| round(BASIS, lane as u64)) }
     }
+}
+
+/// FNV's round, on a word.
+fn round(hash: u64, word: u64) -> u64 {
+    let mixed = (hash ^ word).wrapping_mul(PRIME);
+    mixed ^ (mixed >> 32)
 }
 
 impl Digest {
     /// Takes in a word.
     pub(crate) fn word(&mut self, word: u64) {
-        let mixed = (self.0 ^ word).wrapping_mul(0x0000_0100_0000_01b3);
-        self.0 = mixed ^ (mixed >> 32);
+        let [first, second, third, fourth] = self.lanes;
+        self.lanes = [second, third, fourth, round(first, word)];
     }
 
     /// Takes in a number by its bits; every NaN counts as the same.
@@ -48,7 +68,7 @@ impl Digest {
 
     /// The hash of everything taken in so far.
     pub(crate) fn value(self) -> u64 {
-        self.0
+        self.lanes.into_iter().fold(BASIS, round)
     }
 }
 
@@ -68,6 +88,41 @@ mod tests {
         assert_ne!(of(&[1.0, 2.0]), of(&[2.0, 1.0]));
         assert_ne!(of(&[0.0]), of(&[-0.0]));
         assert_ne!(of(&[0.0]), of(&[0.0, 0.0]));
+    }
+
+    /// Whichever of a stream's words is another one, in whichever bit, and wherever two of them change
+    /// places: all hashes differ.
+    #[test]
+    fn no_word_hides_another() {
+        let words: [u64; 11] =
+            std::array::from_fn(|i| 0x9e37_79b9_7f4a_7c15_u64.wrapping_mul(i as u64));
+        let hash = |words: &[u64]| {
+            let mut digest = Digest::default();
+            for word in words {
+                digest.word(*word);
+            }
+            digest.value()
+        };
+        let mut hashes = Vec::new();
+        for end in 0..=words.len() {
+            hashes.push(hash(&words[..end]));
+        }
+        for at in 0..words.len() {
+            for bit in 0..u64::BITS {
+                let mut other = words;
+                other[at] ^= 1 << bit;
+                hashes.push(hash(&other));
+            }
+            for with in 0..at {
+                let mut other = words;
+                other.swap(at, with);
+                hashes.push(hash(&other));
+            }
+        }
+        let count = hashes.len();
+        hashes.sort_unstable();
+        hashes.dedup();
+        assert_eq!(hashes.len(), count);
     }
 
     #[test]

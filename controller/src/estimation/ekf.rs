@@ -354,7 +354,10 @@ impl Ekf {
 
     pub(super) fn fold(&self, digest: &mut Digest) {
         digest.numbers(self.x.as_slice());
-        digest.numbers(self.p.as_slice());
+        // One triangle is all of it.
+        for (last, column) in self.p.data.0.iter().enumerate() {
+            digest.numbers(&column[..=last]);
+        }
         digest.pose(&self.good);
     }
 }

@@ -36,6 +36,8 @@ const EDGES_DEG: [[f64; 2]; 2] = [[60.0, 80.0], [100.0, 120.0]];
 /// The points in the gaps: per gap, the last ones of each of its sonars.
 #[derive(Clone, Debug)]
 pub(super) struct Gaps {
+    /// Unit vectors towards each gap's points, body frame.
+    directions: [[[f64; 2]; GAP_POINTS]; GAPS.len()],
     filled: [[Option<[Point; GAP_POINTS]>; 3]; GAPS.len()],
 }
 
@@ -44,11 +46,14 @@ impl Gaps {
     pub(super) const MOST_POINTS: usize = GAPS.len() * 3 * GAP_POINTS;
 
     pub(super) fn new() -> Gaps {
-        Gaps { filled: [[None; 3]; GAPS.len()] }
+        Gaps {
+            directions: GAPS.map(|gap| gap.directions_deg.map(|deg| unit(deg.to_radians()))),
+            filled: [[None; 3]; GAPS.len()],
+        }
     }
 
     pub(super) fn clear(&mut self) {
-        *self = Gaps::new();
+        self.filled = [[None; 3]; GAPS.len()];
     }
 
     /// Takes the echo of a sonar, heard where `to_world` says.
@@ -60,11 +65,10 @@ impl Gaps {
         echo: &PlacedEcho,
         confirmed: bool,
     ) {
-        for (gap, filled) in GAPS.iter().zip(&mut self.filled) {
+        for ((gap, directions), filled) in GAPS.iter().zip(&self.directions).zip(&mut self.filled) {
             let Some(slot) = gap.sonars.iter().position(|sonar| *sonar == id) else { continue };
             let mount_m = beams[id].mount_m;
-            filled[slot] = Some(gap.directions_deg.map(|direction_deg| {
-                let direction = unit(direction_deg.to_radians());
+            filled[slot] = Some(directions.map(|direction| {
                 // As far from the centre as the echo would be, had the sonar looked that way.
                 let reach_m = mount_m[0] * direction[0] + mount_m[1] * direction[1] + echo.range_m;
                 let at_m = to_world.point_m(direction.map(|component| reach_m * component));

@@ -142,12 +142,11 @@ impl Point {
     }
 
     pub(super) fn fold(&self, digest: &mut Digest, start: Time) {
-        digest.word(u64::from(self.sonar));
         digest.numbers(&[self.at_m[0], self.at_m[1], self.range_m, self.odometer_m]);
         digest.time(self.fired, start);
-        digest.word(u64::from(self.heard));
-        digest.word(u64::from(self.carved) << 1 | u64::from(self.confirmed));
         digest.time(self.since, start);
+        let Point { sonar, heard, carved, confirmed, .. } = *self;
+        digest.word(u64::from(u32::from_le_bytes([sonar, heard, carved, u8::from(confirmed)])));
     }
 }
 
