@@ -50,8 +50,8 @@ impl Reading {
 struct Cone {
     fired: Option<Time>,
     reading: Reading,
-    /// When it last heard an echo.
-    echoed: Option<Time>,
+    /// When it last heard an echo; 0 before any.
+    echoed: Time,
     fresh: bool,
     heard: bool,
 }
@@ -68,7 +68,7 @@ impl Cones {
         let silent = Cone {
             fired: None,
             reading: Reading::Unknown,
-            echoed: None,
+            echoed: Time(0),
             fresh: false,
             heard: false,
         };
@@ -82,7 +82,7 @@ impl Cones {
 
     /// Whether this sonar has heard an echo after an instant.
     pub(super) fn echoed_after(&self, id: u8, instant: Time) -> bool {
-        self.cones[usize::from(id)].echoed.is_some_and(|echoed| echoed > instant)
+        self.cones[usize::from(id)].echoed > instant
     }
 
     /// Takes a sonar's newest reading.
@@ -91,7 +91,7 @@ impl Cones {
         cone.fired = Some(fired);
         cone.reading = reading;
         if matches!(reading, Reading::Echo(_)) {
-            cone.echoed = Some(fired);
+            cone.echoed = fired;
         }
         cone.heard |= reading != Reading::Unknown;
     }

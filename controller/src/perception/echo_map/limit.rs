@@ -3,10 +3,11 @@
 use schemas::{Footprint, Pose, Time};
 
 use super::beam::unit;
+use super::doubt::Doubts;
 use super::gaps::Gaps;
 use super::points::Point;
 use super::ray::{Lane, Ray};
-use super::scan::sight;
+use super::sightings::drawn_nearer_m;
 use super::{EchoMap, Odometry};
 
 /// The echo that a ray ends at.
@@ -80,16 +81,22 @@ impl EchoMap {
         let now = self.advanced_to.filter(|_| self.knows(from, angle_rad))?;
         // The law's scan is made of confirmed points, and does not reckon with what moves.
         let scan = if laws { &self.law } else { &self.safety };
+        let doubts = Doubts {
+            cones: &self.cones,
+            now,
+            odometer_m: odometry.odometer_m(),
+            v_disc_mps: self.settings.v_disc_mps,
+        };
         let mut nearest: Option<LimitingEcho> = None;
         let mut offer = |point: &Point, in_gap: bool| {
             if laws && !point.confirmed {
                 return;
             }
-            let moved_m = if laws { 0.0 } else { self.moved_m(point, now) };
-            let nearer_by_m = EchoMap::uncertainty_m(point, odometry.odometer_m()) + moved_m;
-            let about_m = from.position_m();
-            let Some(sighting) = sight(about_m, point.at_m, nearer_by_m) else { return };
-            let drawn_m = sighting.at_m(about_m);
+            let doubt = doubts.about(point);
+            let nearer_by_m = if laws { doubt.stands_m } else { doubt.nearer_m() };
+            let Some(drawn_m) = drawn_nearer_m(from.position_m(), point.at_m, nearer_by_m) else {
+                return;
+            };
             let free_m = free_m(drawn_m);
             // Of several points in one direction the scan shows the nearest alone; looking for it there
             // is the costly part.
@@ -108,7 +115,7 @@ impl EchoMap {
                 });
             }
         };
-        self.points.iter().for_each(|point| offer(point, false));
+        self.points.as_slice().iter().for_each(|point| offer(point, false));
         if Gaps::hold(angle_rad - from.theta_rad) {
             self.gaps.points(now, self.settings.lease_s).for_each(|point| offer(point, true));
         }

@@ -21,26 +21,31 @@
 //! Constants said to come from the prototype were chosen in a simulation study that preceded this
 //! program.
 
+mod arc;
 mod beam;
 mod cones;
+mod doubt;
 mod faces;
 mod gaps;
 mod limit;
 mod points;
 mod ray;
 mod scan;
+mod sightings;
 mod walls;
 
-use schemas::{Disc, Footprint, Pose, SONARS, SonarEcho, SonarScan, Span, Time};
+use schemas::{Disc, Footprint, Pose, SONARS, SonarEcho, SonarScan, Time};
 
 use self::beam::{Beam, BodyToWorld, unit};
 use self::cones::{Cones, Reading};
+use self::doubt::Doubts;
 use self::faces::Faces;
 use self::gaps::Gaps;
 pub use self::limit::LimitingEcho;
-use self::points::{PlacedEcho, Point, Points};
+use self::points::{PlacedEcho, Points};
 use self::ray::{Lane, Ray};
-use self::scan::{AT_ONCE, Scan, sight, sight_all};
+use self::scan::Scan;
+use self::sightings::{Sightings, drawn_nearer_m};
 use crate::digest::Digest;
 use crate::estimation::Odometry;
 
@@ -49,22 +54,6 @@ const PENDING: usize = 2 * SONARS.len();
 
 /// A stamp this much older than its predecessor, seconds, is a new clock, not a late reading.
 const CLOCK_SET_S: f64 = 1.0;
-
-/// Uncertainty of a range as a share of it: its standard deviation (robot's data; prototype).
-const RANGE_SHARE: f64 = 0.01;
-
-/// Metres by which odometry may have drifted per metre of the odometer since the echo, and at most
-/// (prototype, with 3 % of slip).
-const DRIFT_SHARE: f64 = 0.03;
-const DRIFT_MOST_M: f64 = 0.12;
-
-/// What echoed may be on its way towards the robot until its sonar has heard an echo again, or for this
-/// long: silence does not say that it is gone. Chosen: two sweeps, one of them silent.
-const MOVING: Span = Span(700_000_000);
-
-/// What has echoed from one place for this long stands: within the reach of a repetition, 3 cm
-/// and 2 % of the range, it can have moved by 5 cm/s. Chosen: three sweeps.
-const STANDS_AFTER: Span = Span(1_000_000_000);
 
 /// What the map is to assume.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,14 +79,13 @@ pub struct EchoMap {
     gaps: Gaps,
     points: Points,
     faces: Faces,
+    sightings: Sightings,
     law: Scan,
     safety: Scan,
     /// What the gaps' points add, for the law and for the safety layer, metres, world frame.
     law_gaps: Vec<[f64; 2]>,
     safety_gaps: Vec<[f64; 2]>,
     advanced_to: Option<Time>,
-    /// The odometer then, metres.
-    advanced_at_m: f64,
 }
 
 impl EchoMap {
@@ -111,12 +99,12 @@ impl EchoMap {
             gaps: Gaps::new(),
             points: Points::new(),
             faces: Faces::new(),
+            sightings: Sightings::new(),
             law: Scan::new(settings.inflation_m),
             safety: Scan::new(settings.inflation_m),
             law_gaps: Vec::with_capacity(Gaps::MOST_POINTS),
             safety_gaps: Vec::with_capacity(Gaps::MOST_POINTS),
             advanced_to: None,
-            advanced_at_m: 0.0,
         }
     }
 
@@ -140,7 +128,6 @@ impl EchoMap {
             self.forget();
         }
         self.advanced_to = Some(now);
-        self.advanced_at_m = odometry.odometer_m();
         self.place_pending(odometry);
         let cones = &self.cones;
         self.points
@@ -229,11 +216,9 @@ impl EchoMap {
     /// Everything that was heard, each point as a disc of its uncertainty, world frame, and whether it
     /// may be on its way. To be asked after [`EchoMap::advance`].
     pub(crate) fn near_points(&self) -> impl Iterator<Item = (Disc, bool)> + '_ {
-        let now = self.advanced_to.unwrap_or_default();
-        self.points.iter().map(move |point| {
-            let moved_m = self.moved_m(point, now);
-            let radius_m = EchoMap::uncertainty_m(point, self.advanced_at_m) + moved_m;
-            (Disc { centre_m: point.at_m, radius_m }, self.may_move(point, now))
+        let doubts = self.sightings.doubts();
+        self.points.as_slice().iter().zip(doubts).map(|(point, (nearer_m, moves))| {
+            (Disc { centre_m: point.at_m, radius_m: nearer_m }, moves)
         })
     }
 
@@ -276,7 +261,7 @@ impl EchoMap {
     /// few echoes agree on one. To be asked after [`EchoMap::advance`].
     pub fn face_direction_rad(&self, from: &Pose) -> Option<f64> {
         let now = self.advanced_to.filter(|_| from.is_finite())?;
-        self.faces.nearest_rad(self.points.iter(), from.position_m(), now)
+        self.faces.nearest_rad(self.points.as_slice().iter(), from.position_m(), now)
     }
 
     /// Takes the whole state into a hash; `start` is the start of the session.
@@ -359,70 +344,29 @@ impl EchoMap {
 
     /// Builds both scans about a place.
     fn look(&mut self, now: Time, odometer_m: f64, about_m: [f64; 2]) {
-        self.law.clear(about_m);
-        self.safety.clear(about_m);
-        for some in self.points.as_slice().chunks(AT_ONCE) {
-            let [mut by_m, mut moved_m, mut nearer_m] = [[0.0; AT_ONCE]; 3];
-            let mut at_m = [[0.0; 2]; AT_ONCE];
-            for (i, point) in some.iter().enumerate() {
-                at_m[i] = point.at_m;
-                by_m[i] = EchoMap::uncertainty_m(point, odometer_m);
-                moved_m[i] = self.moved_m(point, now);
-                nearer_m[i] = by_m[i] + moved_m[i];
-            }
-            let sightings = sight_all(about_m, &at_m, &nearer_m);
-            for (i, point) in some.iter().enumerate() {
-                let Some(sighting) = sightings[i] else { continue };
-                self.safety.see(&sighting);
-                if point.confirmed {
-                    // Most points stand, and appear alike in both scans.
-                    let stood = moved_m[i] == 0.0;
-                    self.law.see(&if stood { sighting } else { sighting.drawn_by(by_m[i]) });
-                }
-            }
+        let EchoMapSettings { v_disc_mps, lease_s, .. } = self.settings;
+        let doubts = Doubts { cones: &self.cones, now, odometer_m, v_disc_mps };
+        self.sightings.take(&self.points, about_m, |point| doubts.about(point));
+        self.law.clear();
+        self.safety.clear();
+        for (index, (direction, [drawn_m, law_drawn_m])) in (0..).zip(self.sightings.drawn()) {
+            self.safety.see(index, direction, drawn_m);
+            self.law.see(index, direction, law_drawn_m);
         }
-        self.law.finish();
-        self.safety.finish();
+        self.law.finish(&self.sightings);
+        self.safety.finish(&self.sightings);
 
         self.law_gaps.clear();
         self.safety_gaps.clear();
-        for point in self.gaps.points(now, self.settings.lease_s) {
-            let by_m = EchoMap::uncertainty_m(point, odometer_m);
-            let moved_m = self.moved_m(point, now);
-            let Some(sighting) = sight(about_m, point.at_m, by_m + moved_m) else { continue };
-            self.safety_gaps.push(sighting.at_m(about_m));
+        for point in self.gaps.points(now, lease_s) {
+            let doubt = doubts.about(point);
+            let drawn_nearer_m = |by_m| drawn_nearer_m(about_m, point.at_m, by_m);
+            self.safety_gaps.extend(drawn_nearer_m(doubt.nearer_m()));
             if point.confirmed {
-                self.law_gaps.push(sighting.drawn_by(by_m).at_m(about_m));
+                self.law_gaps.extend(drawn_nearer_m(doubt.stands_m));
             }
         }
     }
-
-    /// How much nearer than remembered a point that stands still may be, metres.
-    fn uncertainty_m(point: &Point, odometer_m: f64) -> f64 {
-        let drift_m = (DRIFT_SHARE * (odometer_m - point.odometer_m)).min(DRIFT_MOST_M);
-        RANGE_SHARE * point.range_m + drift_m
-    }
-
-    /// How far what echoed there may have come since, metres.
-    fn moved_m(&self, point: &Point, now: Time) -> f64 {
-        if self.may_move(point, now) {
-            self.settings.v_disc_mps * now.since(point.fired).seconds()
-        } else {
-            0.0
-        }
-    }
-
-    /// Whether what echoed there may have left for elsewhere.
-    fn may_move(&self, point: &Point, now: Time) -> bool {
-        !stands(point)
-            && now.since(point.fired) < MOVING
-            && !self.cones.echoed_after(point.sonar, point.fired)
-    }
-}
-
-/// Whether what echoed has been there for so long that it is not reckoned to move.
-fn stands(point: &Point) -> bool {
-    point.confirmed && point.fired.since(point.since) >= STANDS_AFTER
 }
 
 #[cfg(test)]

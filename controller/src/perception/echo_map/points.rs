@@ -11,11 +11,12 @@
 
 #![expect(
     clippy::needless_bitwise_bool,
-    reason = "without branches several points are looked at at once"
+    reason = "without branches: neighbours in the list of points are of every kind"
 )]
 
 use schemas::{Span, Time};
 
+use super::arc::{Arc, Slopes};
 use super::beam::ARC_POINTS;
 use crate::digest::Digest;
 
@@ -38,44 +39,6 @@ const UNCONFIRMED_LIFE: Span = Span(400_000_000);
 /// heard nothing since it is remembered this long, for one of two sweeps may be silent.
 const COMING_NEAR_M: f64 = 0.5;
 const COMING_LIFE: Span = Span(720_000_000);
-
-/// Firings no farther apart than this may hear each other and do not confirm each other.
-const OTHER_FIRING: Span = Span(50_000_000);
-
-/// A point confirms an echo inside its cone and this much beyond, degrees.
-const CONFIRM_HALF_CONE_DEG: f64 = 13.0;
-
-/// … whose range differs by no more than this, metres, and this share of the range.
-const CONFIRM_WITHIN_M: f64 = 0.10;
-const CONFIRM_WITHIN_SHARE: f64 = 0.03;
-
-/// … close by no more than this, metres, and this share of the range: where all is near, a false echo from
-/// before the body would be confirmed by whatever stands behind it.
-const CONFIRM_CLOSE_M: f64 = 0.04;
-const CONFIRM_CLOSE_SHARE: f64 = 0.2;
-
-/// A new point replaces confirming ones within this, metres, and this share of its range: about the
-/// noise of a range.
-const REPEAT_WITHIN_M: f64 = 0.03;
-const REPEAT_WITHIN_SHARE: f64 = 0.02;
-
-/// An echo carves no farther than this off its axis, degrees: its cone less a margin.
-const CARVE_HALF_CONE_DEG: f64 = 8.0;
-
-/// … but for points of the sonar itself, which are up to 10° off: what a false echo put at the edges of a
-/// cone would stay before a robot at rest as long as it remembers.
-const CARVE_OWN_HALF_CONE_DEG: f64 = 11.0;
-
-/// … and nearer than this share of its range less this many metres: what is left keeps the noise
-/// of a range from carving the obstacle itself, and no more, since points that stay there wrongly hide
-/// free space.
-const CARVE_SHARE: f64 = 0.95;
-const CARVE_SHORT_M: f64 = 0.05;
-
-/// The least cosine of the angle between an echo's axis and one of its arc's points, which are up to
-/// 10° off; and a slack for rounding, metres. For telling quickly what cannot be near the arc.
-const ARC_LEAST_COSINE: f64 = 0.98;
-const HAIR_M: f64 = 1e-6;
 
 /// How many echoes must have looked through a point before it goes.
 const CARVE_HITS: u8 = 2;
@@ -154,12 +117,29 @@ impl Point {
 #[derive(Clone, Debug)]
 pub(super) struct Points {
     kept: Vec<Point>,
-    /// Places in `kept` of the points that the echo in hand can bear on.
+    /// Where they are, metres, by axis: what each echo asks of every point.
+    x_m: Vec<f64>,
+    y_m: Vec<f64>,
+    /// Places in `kept` of the points that the echo in hand can bear on, and what it means to each.
     met: Vec<u16>,
-    confirm_slope: f64,
-    carve_slope: f64,
-    carve_own_slope: f64,
+    bearings: Vec<Bearing>,
+    slopes: Slopes,
 }
+
+/// What the echo in hand means to a point.
+#[derive(Clone, Copy, Debug)]
+enum Bearing {
+    None,
+    /// It looks through the point.
+    Carves,
+    /// It confirms the point.
+    Confirms,
+    /// It puts a point in the place of this one.
+    Replaces,
+}
+
+/// How many points an echo is compared with at once.
+const AT_ONCE: usize = 32;
 
 impl Points {
     /// How many points are kept, at most. Two echoes of five points every 40 ms for 5 s are 1250 if
@@ -169,13 +149,34 @@ impl Points {
     pub(super) fn new() -> Points {
         Points {
             kept: Vec::with_capacity(Points::CAPACITY),
+            x_m: Vec::with_capacity(Points::CAPACITY),
+            y_m: Vec::with_capacity(Points::CAPACITY),
             met: Vec::with_capacity(Points::CAPACITY),
-            confirm_slope: libm::tan(CONFIRM_HALF_CONE_DEG.to_radians()),
-            carve_slope: libm::tan(CARVE_HALF_CONE_DEG.to_radians()),
-            carve_own_slope: libm::tan(CARVE_OWN_HALF_CONE_DEG.to_radians()),
+            bearings: Vec::with_capacity(Points::CAPACITY),
+            slopes: Slopes::new(),
         }
     }
 
+    /// Points that were heard once, at the start of a session.
+    #[cfg(test)]
+    pub(super) fn at(points_m: &[[f64; 2]]) -> Points {
+        let mut points = Points::new();
+        for at_m in points_m {
+            let echo = PlacedEcho {
+                sonar: 3,
+                from_m: [0.0; 2],
+                axis: [1.0, 0.0],
+                arc_m: [*at_m; ARC_POINTS],
+                range_m: 1.0,
+                fired: schemas::SIMULATION_EPOCH,
+                odometer_m: 0.0,
+            };
+            points.push(Point::new(&echo, *at_m, true));
+        }
+        points
+    }
+
+    #[cfg(test)]
     pub(super) fn iter(&self) -> impl Iterator<Item = &Point> {
         self.kept.iter()
     }
@@ -184,27 +185,31 @@ impl Points {
         &self.kept
     }
 
+    /// Where they are, metres: along x, and along y.
+    pub(super) fn places_m(&self) -> [&[f64]; 2] {
+        [&self.x_m, &self.y_m]
+    }
+
     pub(super) fn clear(&mut self) {
         self.kept.clear();
+        self.x_m.clear();
+        self.y_m.clear();
     }
 
     /// Takes an echo; true if it is confirmed.
     pub(super) fn hear(&mut self, echo: &PlacedEcho) -> bool {
-        let arc = Arc::of(echo, self.confirm_slope, [self.carve_slope, self.carve_own_slope]);
+        let arc = Arc::of(echo, self.slopes);
         self.meet(&arc);
-        let confirms = |met: &u16| {
-            let point = &self.kept[usize::from(*met)];
-            arc.confirms(point, &arc.sight(point.at_m))
-        };
-        let confirmed = self.met.iter().any(confirms);
-        let mut points = echo.arc_m.map(|at_m| Point::new(echo, at_m, confirmed));
+        let mut points = echo.arc_m.map(|at_m| Point::new(echo, at_m, true));
+        let confirmed = self.compare(&arc, &mut points);
         if confirmed {
-            self.date_back(&arc, &mut points);
-            self.weigh(&arc);
+            self.weigh();
+        } else {
+            points = echo.arc_m.map(|at_m| Point::new(echo, at_m, false));
         }
         for point in points {
             self.make_room();
-            self.kept.push(point);
+            self.push(point);
         }
         confirmed
     }
@@ -213,48 +218,72 @@ impl Points {
     fn meet(&mut self, arc: &Arc<'_>) {
         // Written so that every point costs the same, without a branch.
         self.met.resize(self.kept.len(), 0);
-        let mut count = 0;
-        for (index, point) in self.kept.iter().enumerate() {
-            self.met[count] = index as u16;
-            count += usize::from(arc.concerns(&arc.sight(point.at_m)));
+        let (mut index, mut count) = (0, 0);
+        for (x_m, y_m) in self.x_m.chunks(AT_ONCE).zip(self.y_m.chunks(AT_ONCE)) {
+            let mut concerned = [false; AT_ONCE];
+            for (concerned, (x_m, y_m)) in concerned.iter_mut().zip(x_m.iter().zip(y_m)) {
+                *concerned = arc.concerns(&arc.sight([*x_m, *y_m]));
+            }
+            for concerned in &concerned[..x_m.len()] {
+                self.met[count] = index;
+                count += usize::from(*concerned);
+                index += 1;
+            }
         }
         self.met.truncate(count);
     }
 
-    /// Since when there is something at each of an echo's points, and how many have heard it: as long as at
-    /// the points that it repeats, and one more than those.
-    fn date_back(&self, arc: &Arc<'_>, points: &mut [Point; ARC_POINTS]) {
-        for point in self.met.iter().map(|met| &self.kept[usize::from(*met)]) {
-            if point.fired >= arc.echo.fired {
-                continue;
-            }
-            for newer in points.iter_mut() {
-                let adds = point.since < newer.since || point.heard >= newer.heard;
-                if adds && arc.repeats_at(point, newer.at_m) {
+    /// Says of each point met what the echo means to it, and whether one of them confirms the echo. For
+    /// this case tells `points`, those of the echo, since when there is something at each of them, and how
+    /// many have heard it: as long as at the points that it repeats, and one more than those.
+    fn compare(&mut self, arc: &Arc<'_>, points: &mut [Point; ARC_POINTS]) -> bool {
+        let mut confirmed = false;
+        self.bearings.clear();
+        for met in &self.met {
+            let point = &self.kept[usize::from(*met)];
+            let sight = arc.sight(point.at_m);
+            let older = arc.is_after(point);
+            let repeated = if older { arc.repeats(point) } else { [false; ARC_POINTS] };
+            for (newer, repeated) in points.iter_mut().zip(repeated) {
+                if repeated {
                     newer.since = newer.since.min(point.since);
                     newer.heard = newer.heard.max(point.heard.saturating_add(1));
                 }
             }
+            let confirms = arc.confirms(point, &sight);
+            confirmed |= confirms;
+            self.bearings.push(if older && arc.carves(point, &sight) {
+                Bearing::Carves
+            } else if !confirms {
+                Bearing::None
+            } else if repeated.contains(&true) {
+                Bearing::Replaces
+            } else {
+                Bearing::Confirms
+            });
         }
+        confirmed
     }
 
     /// Lets a confirmed echo bear on every point that it meets.
-    fn weigh(&mut self, arc: &Arc<'_>) {
+    fn weigh(&mut self) {
         let mut gone = 0;
-        for index in 0..self.met.len() {
+        for (index, bearing) in self.bearings.iter().enumerate() {
             let met = self.met[index];
             let point = &mut self.kept[usize::from(met)];
-            let older = point.fired < arc.echo.fired;
-            let sight = arc.sight(point.at_m);
-            let mut goes = false;
-            if older && arc.carves(point, &sight) {
-                point.carved += 1;
-                goes = point.carved >= point.carving_hits();
-            } else if arc.confirms(point, &sight) {
-                point.confirmed = true;
-                point.heard = point.heard.saturating_add(1);
-                goes = older && arc.repeats(point);
-            }
+            let goes = match bearing {
+                Bearing::None => false,
+                Bearing::Carves => {
+                    point.carved += 1;
+                    point.carved >= point.carving_hits()
+                }
+                Bearing::Confirms => {
+                    point.confirmed = true;
+                    point.heard = point.heard.saturating_add(1);
+                    false
+                }
+                Bearing::Replaces => true,
+            };
             self.met[gone] = met;
             gone += usize::from(goes);
         }
@@ -264,17 +293,24 @@ impl Points {
 
     /// Forgets the points collected. The last one kept takes the place of each.
     fn drop_met(&mut self) {
-        let mut gone = self.met.as_slice();
-        while let [first, rest @ ..] = gone {
-            gone = rest;
-            while let [rest @ .., last] = gone
-                && usize::from(*last) + 1 == self.kept.len()
-            {
-                self.kept.pop();
-                gone = rest;
-            }
-            self.kept.swap_remove(usize::from(*first));
+        // From the last on: what takes the place of one that goes is never one that goes too.
+        while let Some(met) = self.met.pop() {
+            self.remove(usize::from(met));
         }
+    }
+
+    fn push(&mut self, point: Point) {
+        let [x_m, y_m] = point.at_m;
+        self.kept.push(point);
+        self.x_m.push(x_m);
+        self.y_m.push(y_m);
+    }
+
+    /// Forgets a point. The last one kept takes its place.
+    fn remove(&mut self, index: usize) {
+        self.kept.swap_remove(index);
+        self.x_m.swap_remove(index);
+        self.y_m.swap_remove(index);
     }
 
     /// Forgets what is too old at `now`, when the odometer stands at `odometer_m`. `silent_since` says
@@ -285,19 +321,25 @@ impl Points {
         odometer_m: f64,
         silent_since: impl Fn(&Point) -> bool,
     ) {
-        self.kept.retain(|point| {
-            let life = if !point.confirmed {
-                let silent = point.range_m < COMING_NEAR_M && silent_since(point);
-                if silent { COMING_LIFE } else { UNCONFIRMED_LIFE }
-            } else if point.heard >= RESTING_HEARD
-                && odometer_m - point.odometer_m <= RESTING_WITHIN_M
-            {
-                RESTING_LIFE
+        // Since when what is kept so long must have been heard.
+        let since = |life: Span| Time(now.0.saturating_sub(life.0));
+        let confirmed_since = [since(CONFIRMED_LIFE), since(RESTING_LIFE)];
+        let unconfirmed_since = [since(UNCONFIRMED_LIFE), since(COMING_LIFE)];
+        let mut index = 0;
+        while let Some(point) = self.kept.get(index) {
+            // Chosen, not branched to: neighbours in the list are of every kind.
+            let resting = (point.heard >= RESTING_HEARD)
+                & (odometer_m - point.odometer_m <= RESTING_WITHIN_M);
+            let coming = (point.range_m < COMING_NEAR_M) & silent_since(point);
+            let confirmed_since = confirmed_since[usize::from(resting)];
+            let unconfirmed_since = unconfirmed_since[usize::from(coming)];
+            let kept_since = if point.confirmed { confirmed_since } else { unconfirmed_since };
+            if point.fired < kept_since {
+                self.remove(index);
             } else {
-                CONFIRMED_LIFE
-            };
-            now.since(point.fired) <= life
-        });
+                index += 1;
+            }
+        }
     }
 
     /// When full, forgets the oldest point.
@@ -307,7 +349,7 @@ impl Points {
         }
         let oldest = self.kept.iter().enumerate().min_by_key(|(_, point)| point.fired);
         if let Some((index, _)) = oldest {
-            self.kept.swap_remove(index);
+            self.remove(index);
         }
     }
 
@@ -316,108 +358,4 @@ impl Points {
             point.fold(digest, start);
         }
     }
-}
-
-/// An echo with what is needed to compare points with it.
-struct Arc<'a> {
-    echo: &'a PlacedEcho,
-    /// Squared distances between which a point lies on the arc, metres².
-    on_arc_m2: [f64; 2],
-    confirm_slope: f64,
-    carve_slope: f64,
-    carve_own_slope: f64,
-    /// Squared distance up to which the echo has looked through a point, metres².
-    carve_below_m2: f64,
-    repeat_within_m2: f64,
-    /// Squared distance and way ahead from which on a point may stand where one of the arc's does.
-    repeat_beyond_m2: f64,
-    repeat_ahead_m: f64,
-}
-
-/// A point as seen along an echo's axis.
-struct Sight {
-    forward_m: f64,
-    aside_m: f64,
-    distance_m2: f64,
-}
-
-impl Arc<'_> {
-    fn of(echo: &PlacedEcho, confirm_slope: f64, carve_slopes: [f64; 2]) -> Arc<'_> {
-        let [carve_slope, carve_own_slope] = carve_slopes;
-        let range_m = echo.range_m;
-        let within_m = (CONFIRM_WITHIN_M + CONFIRM_WITHIN_SHARE * range_m)
-            .min(CONFIRM_CLOSE_M + CONFIRM_CLOSE_SHARE * range_m);
-        let nearest_m = (range_m - within_m).max(0.0);
-        let farthest_m = range_m + within_m;
-        let repeat_m = REPEAT_WITHIN_M + REPEAT_WITHIN_SHARE * range_m;
-        let repeat_beyond_m = (range_m - repeat_m - HAIR_M).max(0.0);
-        let carve_below_m = (CARVE_SHARE * range_m - CARVE_SHORT_M).max(0.0);
-        Arc {
-            echo,
-            on_arc_m2: [nearest_m * nearest_m, farthest_m * farthest_m],
-            confirm_slope,
-            carve_slope,
-            carve_own_slope,
-            carve_below_m2: carve_below_m * carve_below_m,
-            repeat_within_m2: repeat_m * repeat_m,
-            repeat_beyond_m2: repeat_beyond_m * repeat_beyond_m,
-            repeat_ahead_m: ARC_LEAST_COSINE * range_m - repeat_m - HAIR_M,
-        }
-    }
-
-    fn sight(&self, at_m: [f64; 2]) -> Sight {
-        let [from_m, axis] = [self.echo.from_m, self.echo.axis];
-        let [dx, dy] = [at_m[0] - from_m[0], at_m[1] - from_m[1]];
-        Sight {
-            forward_m: dx * axis[0] + dy * axis[1],
-            aside_m: (dy * axis[0] - dx * axis[1]).abs(),
-            distance_m2: dx * dx + dy * dy,
-        }
-    }
-
-    /// Whether a point can matter to the echo: false only where it neither carves, confirms nor repeats.
-    fn concerns(&self, sight: &Sight) -> bool {
-        // The cones of carving are within that of confirming, and what repeats is nearer than what
-        // confirms.
-        let may_repeat =
-            (sight.distance_m2 >= self.repeat_beyond_m2) & (sight.forward_m >= self.repeat_ahead_m);
-        (sight.distance_m2 <= self.on_arc_m2[1]) & (self.in_cone(sight) | may_repeat)
-    }
-
-    fn in_cone(&self, sight: &Sight) -> bool {
-        // As near to the sonar's face as this, a direction says nothing.
-        (sight.aside_m <= self.confirm_slope * sight.forward_m)
-            | (sight.distance_m2 <= CONFIRM_WITHIN_M * CONFIRM_WITHIN_M)
-    }
-
-    /// Whether the echo has looked through a point.
-    fn carves(&self, point: &Point, sight: &Sight) -> bool {
-        let slope =
-            if point.sonar == self.echo.sonar { self.carve_own_slope } else { self.carve_slope };
-        sight.distance_m2 < self.carve_below_m2 && sight.aside_m <= slope * sight.forward_m
-    }
-
-    /// Whether a point of another firing lies on the arc.
-    fn confirms(&self, point: &Point, sight: &Sight) -> bool {
-        let [nearest_m2, farthest_m2] = self.on_arc_m2;
-        self.in_cone(sight)
-            && (nearest_m2..=farthest_m2).contains(&sight.distance_m2)
-            && apart(point.fired, self.echo.fired) > OTHER_FIRING
-    }
-
-    /// Whether one of the arc's points stands where this one does.
-    fn repeats(&self, point: &Point) -> bool {
-        self.echo.arc_m.iter().any(|at_m| self.repeats_at(point, *at_m))
-    }
-
-    /// Whether a place is that of a point.
-    fn repeats_at(&self, point: &Point, at_m: [f64; 2]) -> bool {
-        let [dx, dy] = [at_m[0] - point.at_m[0], at_m[1] - point.at_m[1]];
-        dx * dx + dy * dy <= self.repeat_within_m2
-    }
-}
-
-/// How far apart two instants are.
-fn apart(a: Time, b: Time) -> Span {
-    Span(a.0.abs_diff(b.0))
 }

@@ -1,10 +1,5 @@
 //! How far a disc travels before it touches a point.
 
-#![expect(
-    clippy::needless_bitwise_bool,
-    reason = "without branches several points are looked at at once"
-)]
-
 use schemas::{Footprint, Pose};
 
 use super::beam::unit;
@@ -30,31 +25,43 @@ impl Ray {
     /// many points: from inside their discs the ways that lead away from all of them are free, as they
     /// are from beyond a face of a room.
     pub(super) fn free_m(&self, points_m: &[[f64; 2]]) -> f64 {
+        let discs = points_m.iter().map(|at_m| Bump::about(*at_m, self.from_m, self.radius_m));
+        Ray::free_among_m(self.along, discs)
+    }
+
+    /// The same along the unit vector `along`, for discs as they lie about where the ray starts.
+    pub(super) fn free_among_m(along: [f64; 2], discs: impl Iterator<Item = Bump>) -> f64 {
         let mut free_m = f64::INFINITY;
-        // Most discs are missed: sorted out a few at a time, without a branch.
-        let mut met_m = [[0.0; 2]; 32];
-        for some_m in points_m.chunks(met_m.len()) {
-            let mut count = 0;
-            for at_m in some_m {
-                let [dx, dy] = [at_m[0] - self.from_m[0], at_m[1] - self.from_m[1]];
-                let aside_m = dx * self.along[1] - dy * self.along[0];
-                let forward_m = dx * self.along[0] + dy * self.along[1];
-                let least_m2 = LEAST_RADIUS_SHARE * LEAST_RADIUS_SHARE * (dx * dx + dy * dy);
-                let radius_m2 = larger(self.radius_m * self.radius_m, least_m2);
-                let half_chord_m2 = radius_m2 - aside_m * aside_m;
-                met_m[count] = [forward_m, half_chord_m2];
-                // What lies behind is either left behind already or being left.
-                count += usize::from((half_chord_m2 > 0.0) & (forward_m > 0.0));
-            }
-            for [forward_m, half_chord_m2] in &met_m[..count] {
-                // Many are too far ahead to matter: told without a square root.
-                let beyond_m = (forward_m - free_m).max(0.0);
-                if *half_chord_m2 > beyond_m * beyond_m {
-                    free_m = forward_m - half_chord_m2.sqrt();
-                }
+        for Bump { offset_m: [dx, dy], radius_m2 } in discs {
+            let aside_m = dx * along[1] - dy * along[0];
+            let forward_m = dx * along[0] + dy * along[1];
+            let half_chord_m2 = radius_m2 - aside_m * aside_m;
+            // Most are missed, and many too far ahead to matter: told without a square root. What lies
+            // behind is either left behind already or being left.
+            let beyond_m = larger(forward_m - free_m, 0.0);
+            if forward_m > 0.0 && half_chord_m2 > beyond_m * beyond_m {
+                free_m = forward_m - half_chord_m2.sqrt();
             }
         }
         free_m
+    }
+}
+
+/// The disc about a point, from where a ray starts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bump {
+    /// Where the point is, metres.
+    pub(super) offset_m: [f64; 2],
+    /// Squared radius of the disc, metres².
+    pub(super) radius_m2: f64,
+}
+
+impl Bump {
+    /// About a point at `at_m`, for a ray from `from_m` of a disc of `radius_m`.
+    pub(super) fn about(at_m: [f64; 2], from_m: [f64; 2], radius_m: f64) -> Bump {
+        let [dx, dy] = [at_m[0] - from_m[0], at_m[1] - from_m[1]];
+        let least_m2 = LEAST_RADIUS_SHARE * LEAST_RADIUS_SHARE * (dx * dx + dy * dy);
+        Bump { offset_m: [dx, dy], radius_m2: larger(radius_m * radius_m, least_m2) }
     }
 }
 
@@ -87,18 +94,20 @@ impl Lane {
     /// Free travel, metres, until its front meets a point, +∞ if none is met; negative where it covers
     /// one that is not behind its middle.
     pub(super) fn free_m(&self, points_m: &[[f64; 2]]) -> f64 {
+        let [x_m, y_m] = self.from_m;
+        self.free_among_m(points_m.iter().map(|at_m| [at_m[0] - x_m, at_m[1] - y_m]))
+    }
+
+    /// The same for points as they lie about its start, metres.
+    pub(super) fn free_among_m(&self, offsets_m: impl Iterator<Item = [f64; 2]>) -> f64 {
         let [half_length_m, half_width_m] = self.half_m;
-        let mut free_m = f64::INFINITY;
-        for at_m in points_m {
-            let [dx, dy] = [at_m[0] - self.from_m[0], at_m[1] - self.from_m[1]];
+        offsets_m.fold(f64::INFINITY, |free_m, [dx, dy]| {
             let aside_m = (dx * self.along[1] - dy * self.along[0]).abs();
             let forward_m = dx * self.along[0] + dy * self.along[1];
             let wide_m = larger(half_width_m, LEAST_RADIUS_SHARE * forward_m);
             let met_m = forward_m - half_length_m;
-            let nearer = (forward_m > 0.0) & (aside_m < wide_m) & (met_m < free_m);
-            free_m = if nearer { met_m } else { free_m };
-        }
-        free_m
+            if forward_m > 0.0 && aside_m < wide_m && met_m < free_m { met_m } else { free_m }
+        })
     }
 }
 

@@ -1,10 +1,7 @@
 //! The virtual scan: what a range finder at one place would see of the remembered points.
 
-use super::ray::{LEAST_RADIUS_SHARE, Lane, Ray};
-
-/// How many directions. They are equal steps of the pseudo-angle below, which are 0.95° wide along
-/// the axes and 1.9° between them: 1.5° on average, as the echo map's prototype had it.
-const DIRECTIONS: usize = 240;
+use super::ray::{Bump, LEAST_RADIUS_SHARE, Lane, Ray};
+use super::sightings::{DIRECTIONS, NOWHERE, Sightings, direction};
 
 /// The opposite direction is this many steps away, on either side.
 const OPPOSITE: usize = DIRECTIONS / 2;
@@ -12,48 +9,27 @@ const OPPOSITE: usize = DIRECTIONS / 2;
 /// Sines and distances are compared with this slack, so that rounding never hides a point.
 const SLACK: f64 = 1.0 - 1e-9;
 
+/// No sighting.
+const NONE: u16 = u16::MAX;
+
 /// The nearest point per direction about one place, for rays of one radius.
 #[derive(Clone, Debug)]
 pub(super) struct Scan {
     radius_m: f64,
     about_m: [f64; 2],
-    /// Per direction; +∞ where there is none.
-    nearest_m: [f64; DIRECTIONS],
-    at_m: [[f64; 2]; DIRECTIONS],
-    /// The points there are, in the order of their directions, how many, and how many come before each
-    /// direction.
-    seen: [[f64; 2]; DIRECTIONS],
-    count: usize,
+    /// Per direction how far away the nearest one counts, metres, +∞ where there is none; and which of the
+    /// sightings it is. The last place is that of what is nowhere.
+    nearest_m: [f64; DIRECTIONS + 1],
+    nearest: [u16; DIRECTIONS + 1],
+    /// The points there are, in the order of their directions, metres, world frame and about the scan's
+    /// place; and how many come before each direction.
+    seen: Vec<[f64; 2]>,
+    bumps: Vec<Bump>,
     before: [u8; DIRECTIONS + 1],
     /// How many steps off a ray's direction even the nearest point of all is out of its way.
     window: usize,
     /// For so many steps between a ray and a point, the least sine of the angle between them.
     least_sines: [f64; OPPOSITE + 1],
-}
-
-/// Where a point appears from the scan's place.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Sighting {
-    direction: usize,
-    /// How far away it counts, metres.
-    drawn_m: f64,
-    /// How far away it is, and which way, metres.
-    distance_m: f64,
-    offset_m: [f64; 2],
-}
-
-impl Sighting {
-    /// Position, metres, drawn nearer to the scan's place.
-    pub(super) fn at_m(&self, about_m: [f64; 2]) -> [f64; 2] {
-        let share = if self.distance_m > 0.0 { self.drawn_m / self.distance_m } else { 0.0 };
-        let [dx, dy] = self.offset_m;
-        [about_m[0] + share * dx, about_m[1] + share * dy]
-    }
-
-    /// The same point, drawn nearer by `by_m` instead.
-    pub(super) fn drawn_by(&self, by_m: f64) -> Sighting {
-        Sighting { drawn_m: (self.distance_m - by_m).max(0.0), ..*self }
-    }
 }
 
 impl Scan {
@@ -62,44 +38,54 @@ impl Scan {
         Scan {
             radius_m,
             about_m: [0.0; 2],
-            nearest_m: [f64::INFINITY; DIRECTIONS],
-            at_m: [[0.0; 2]; DIRECTIONS],
-            seen: [[0.0; 2]; DIRECTIONS],
-            count: 0,
+            nearest_m: [f64::INFINITY; DIRECTIONS + 1],
+            nearest: [NONE; DIRECTIONS + 1],
+            seen: Vec::with_capacity(DIRECTIONS),
+            bumps: Vec::with_capacity(DIRECTIONS),
             before: [0; DIRECTIONS + 1],
             window: 0,
             least_sines: std::array::from_fn(least_sine),
         }
     }
 
-    /// Starts again, about another place.
-    pub(super) fn clear(&mut self, about_m: [f64; 2]) {
-        self.about_m = about_m;
-        self.nearest_m = [f64::INFINITY; DIRECTIONS];
-        self.count = 0;
+    /// Starts again: then comes [`Scan::see`] for each of some sightings, in their order, and
+    /// [`Scan::finish`].
+    pub(super) fn clear(&mut self) {
+        self.nearest_m.fill(f64::INFINITY);
+        self.nearest.fill(NONE);
     }
 
-    pub(super) fn see(&mut self, sighting: &Sighting) {
-        let Sighting { direction, drawn_m, .. } = *sighting;
-        if drawn_m < self.nearest_m[direction] {
-            self.nearest_m[direction] = drawn_m;
-            self.at_m[direction] = sighting.at_m(self.about_m);
-        }
+    /// Takes the sighting `index`, which counts as `drawn_m` away, metres.
+    pub(super) fn see(&mut self, index: u16, direction: usize, drawn_m: f64) {
+        // Chosen, not branched to: nobody can tell beforehand which is nearer.
+        let nearest_m = self.nearest_m[direction];
+        let nearer = drawn_m < nearest_m;
+        self.nearest_m[direction] = if nearer { drawn_m } else { nearest_m };
+        self.nearest[direction] = if nearer { index } else { self.nearest[direction] };
     }
 
     /// Ends a round of [`Scan::see`]; now rays may be asked.
-    pub(super) fn finish(&mut self) {
-        let mut least_m = f64::INFINITY;
+    pub(super) fn finish(&mut self, sightings: &Sightings) {
+        self.about_m = sightings.about_m();
+        let mut occupied = [0; DIRECTIONS];
         let mut count = 0;
-        for (direction, nearest_m) in self.nearest_m.iter().enumerate() {
+        for (direction, index) in self.nearest[..NOWHERE].iter().enumerate() {
             self.before[direction] = count as u8;
             // Where there is none the next one takes the place.
-            self.seen[count] = self.at_m[direction];
-            count += usize::from(*nearest_m < f64::INFINITY);
-            least_m = if *nearest_m < least_m { *nearest_m } else { least_m };
+            occupied[count] = direction as u8;
+            count += usize::from(*index != NONE);
         }
         self.before[DIRECTIONS] = count as u8;
-        self.count = count;
+        self.seen.clear();
+        self.bumps.clear();
+        let mut least_m = f64::INFINITY;
+        for direction in occupied[..count].iter().map(|direction| usize::from(*direction)) {
+            let drawn_m = self.nearest_m[direction];
+            let at_m = sightings.at_m(usize::from(self.nearest[direction]), drawn_m);
+            self.seen.push(at_m);
+            self.bumps.push(Bump::about(at_m, self.about_m, self.radius_m));
+            least_m = if drawn_m < least_m { drawn_m } else { least_m };
+        }
         // A point at distance ρ, an angle α off a ray, is met only if ρ sin α is less than the radius.
         let met =
             |sine: &&f64| **sine <= LEAST_RADIUS_SHARE || least_m * **sine * SLACK < self.radius_m;
@@ -113,35 +99,41 @@ impl Scan {
 
     /// The nearest points, metres, world frame, in the order of their directions.
     pub(super) fn points_m(&self) -> &[[f64; 2]] {
-        &self.seen[..self.count]
+        &self.seen
     }
 
     /// Free travel of the scan's disc from `from_m` along the unit vector `along`, see
     /// [`Ray::free_m`].
     pub(super) fn free_m(&self, from_m: [f64; 2], along: [f64; 2]) -> f64 {
-        let ray = Ray { from_m, along, radius_m: self.radius_m };
-        let [first_m, second_m] = self.about(from_m, along);
-        ray.free_m(first_m).min(ray.free_m(second_m))
+        if from_m != self.about_m {
+            return Ray { from_m, along, radius_m: self.radius_m }.free_m(self.points_m());
+        }
+        self.about(along)
+            .map(|some| Ray::free_among_m(along, some.iter().copied()))
+            .into_iter()
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// Free travel of a lane that is no wider than the scan's disc, see [`Lane::free_m`].
     pub(super) fn travel_m(&self, lane: &Lane) -> f64 {
-        let [first_m, second_m] = self.about(lane.from_m, lane.along);
-        lane.free_m(first_m).min(lane.free_m(second_m))
+        if lane.from_m != self.about_m {
+            return lane.free_m(self.points_m());
+        }
+        self.about(lane.along)
+            .map(|some| lane.free_among_m(some.iter().map(|bump| bump.offset_m)))
+            .into_iter()
+            .fold(f64::INFINITY, f64::min)
     }
 
-    /// The points that a disc of the scan's radius may meet on its way from `from_m` along the unit vector
+    /// What a disc of the scan's radius may meet on its way from the scan's place along the unit vector
     /// `along`, in two parts.
-    fn about(&self, from_m: [f64; 2], along: [f64; 2]) -> [&[[f64; 2]]; 2] {
-        let all = [self.points_m(), &[]];
-        let (Some(ahead), true) = (direction(along[0], along[1]), from_m == self.about_m) else {
-            return all;
-        };
-        if self.window >= OPPOSITE {
-            return all;
+    fn about(&self, along: [f64; 2]) -> [&[Bump]; 2] {
+        let ahead = direction(along[0], along[1]);
+        if ahead == NOWHERE || self.window >= OPPOSITE {
+            return [&self.bumps, &[]];
         }
         let within = |from: usize, to: usize| {
-            &self.seen[usize::from(self.before[from])..usize::from(self.before[to])]
+            &self.bumps[usize::from(self.before[from])..usize::from(self.before[to])]
         };
         // From `window` steps to the right to as many to the left, both included.
         let (first, end) = (ahead + DIRECTIONS - self.window, ahead + self.window + 1);
@@ -171,83 +163,25 @@ fn least_sine(steps: usize) -> f64 {
     2.0 * tangent / (1.0 + tangent * tangent)
 }
 
-/// How many points are sighted at once.
-pub(super) const AT_ONCE: usize = 16;
-
-/// [`sight`] for several points.
-pub(super) fn sight_all(
-    about_m: [f64; 2],
-    points_m: &[[f64; 2]; AT_ONCE],
-    by_m: &[f64; AT_ONCE],
-) -> [Option<Sighting>; AT_ONCE] {
-    let offsets_m = points_m.map(|[x, y]| [x - about_m[0], y - about_m[1]]);
-    let distances_m = offsets_m.map(|[dx, dy]| (dx * dx + dy * dy).sqrt());
-    let steps = offsets_m.map(|[dx, dy]| steps(dx, dy));
-    std::array::from_fn(|i| {
-        let [dx, dy] = offsets_m[i];
-        (dx.abs() + dy.abs()).is_finite().then(|| Sighting {
-            direction: step_of(steps[i]),
-            drawn_m: (distances_m[i] - by_m[i]).max(0.0),
-            distance_m: distances_m[i],
-            offset_m: offsets_m[i],
-        })
-    })
-}
-
-/// Draws a point nearer to `about_m` by `by_m` and says where it then appears. `None` if it is no
-/// number.
-pub(super) fn sight(about_m: [f64; 2], point_m: [f64; 2], by_m: f64) -> Option<Sighting> {
-    let [dx, dy] = [point_m[0] - about_m[0], point_m[1] - about_m[1]];
-    let distance_m = (dx * dx + dy * dy).sqrt();
-    Some(Sighting {
-        direction: direction(dx, dy)?,
-        drawn_m: (distance_m - by_m).max(0.0),
-        distance_m,
-        offset_m: [dx, dy],
-    })
-}
-
-/// Which direction a vector points in, by a pseudo-angle that needs no arctangent: y/(|x|+|y|) in the
-/// first quadrant, 1 − x/(|x|+|y|) in the second, and so on around. `None` if the vector is no number.
-fn direction(x: f64, y: f64) -> Option<usize> {
-    (x.abs() + y.abs()).is_finite().then(|| step_of(steps(x, y)))
-}
-
-/// The direction as a number of steps with its fraction; NaN for no vector at all.
-fn steps(x: f64, y: f64) -> f64 {
-    // Chosen, not branched to: points lie in any quadrant, and several are reckoned at once.
-    let (behind, right) = (x < 0.0, y < 0.0);
-    let part = if behind == right { y } else { x } / (x.abs() + y.abs());
-    let start = if behind {
-        if right { 2.0 } else { 1.0 }
-    } else if right {
-        3.0
-    } else {
-        0.0
-    };
-    (start + if behind { -part } else { part }) * (DIRECTIONS / 4) as f64
-}
-
-/// The direction of so many steps; 0 for NaN.
-fn step_of(steps: f64) -> usize {
-    // A quotient may round up to the next quadrant's start, and the last to a whole turn.
-    (steps as i32 as usize).min(DIRECTIONS - 1)
-}
-
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
     use super::super::beam::unit;
+    use super::super::doubt::Doubt;
+    use super::super::points::Points;
     use super::*;
 
     fn scan_of(points_m: &[[f64; 2]], about_m: [f64; 2], radius_m: f64) -> Scan {
+        let mut sightings = Sightings::new();
+        let doubt = Doubt { stands_m: 0.0, moved_m: None };
+        sightings.take(&Points::at(points_m), about_m, |_| doubt);
         let mut scan = Scan::new(radius_m);
-        scan.clear(about_m);
-        for point_m in points_m {
-            scan.see(&sight(about_m, *point_m, 0.0).unwrap());
+        scan.clear();
+        for (index, (direction, [drawn_m, _])) in sightings.drawn().enumerate() {
+            scan.see(index as u16, direction, drawn_m);
         }
-        scan.finish();
+        scan.finish(&sightings);
         scan
     }
 
@@ -279,7 +213,7 @@ mod tests {
     fn steps_bound_the_angle() {
         let direction_of = |i: u32| {
             let [x, y] = unit((f64::from(i) * 0.25).to_radians());
-            direction(x, y).unwrap()
+            direction(x, y)
         };
         for i in 0..1440 {
             for j in 0..=360 {
@@ -291,32 +225,17 @@ mod tests {
         }
     }
 
-    /// Every direction of the circle falls into one of the 240, in order, each 0.9° to 2° wide.
-    #[test]
-    fn directions_go_round_once() {
-        let mut previous = 0;
-        let mut counts = [0_u32; DIRECTIONS];
-        for i in 0..36_000 {
-            let a = (f64::from(i) * 0.01).to_radians();
-            let d = direction(libm::cos(a), libm::sin(a)).unwrap();
-            assert!(d == previous || d == previous + 1, "{i}: {previous} {d}");
-            previous = d;
-            counts[d] += 1;
-        }
-        assert!(counts.iter().all(|count| (90..=200).contains(count)), "{counts:?}");
-        assert_eq!(direction(f64::NAN, 1.0), None);
-        assert_eq!(direction(f64::INFINITY, 1.0), None);
-    }
-
-    /// Of two points in one direction the nearer one counts; drawing nearer stops at the place.
+    /// Of two points in one direction the nearer one counts, whatever came before.
     #[test]
     fn the_nearest_point_counts() {
-        let mut scan = scan_of(&[[2.0, 0.001], [1.0, 0.001], [3.0, 0.001]], [0.0; 2], 0.354);
+        let scan = scan_of(&[[2.0, 0.001], [1.0, 0.001], [3.0, 0.001]], [0.0; 2], 0.354);
         assert_eq!(scan.points_m(), &[[1.0, 0.001]]);
-        scan.clear([0.0; 2]);
-        scan.see(&sight([0.0; 2], [0.0, 0.5], 0.2).unwrap());
-        scan.finish();
-        assert_eq!(scan.points_m(), &[[0.0, 0.3]]);
-        assert_eq!(sight([0.0; 2], [0.0, 0.5], 0.9).unwrap().drawn_m, 0.0);
+    }
+
+    /// What is no number is nowhere, and does not count.
+    #[test]
+    fn no_number_is_no_point() {
+        let scan = scan_of(&[[f64::NAN, 0.0], [0.0, 1.0], [f64::INFINITY, 0.0]], [0.0; 2], 0.354);
+        assert_eq!(scan.points_m(), &[[0.0, 1.0]]);
     }
 }

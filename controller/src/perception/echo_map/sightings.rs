@@ -1,0 +1,184 @@
+//! Where the remembered points appear from one place, and how much nearer each of them counts.
+
+use super::doubt::Doubt;
+use super::points::{Point, Points};
+
+/// How many directions. They are equal steps of the pseudo-angle below, which are 0.95° wide along
+/// the axes and 1.9° between them: 1.5° on average, as the echo map's prototype had it.
+pub(super) const DIRECTIONS: usize = 240;
+
+/// The direction of what is no number.
+pub(super) const NOWHERE: usize = DIRECTIONS;
+
+/// The points about one place, one number of each kind for each, in their order: the same is reckoned for
+/// several at once.
+#[derive(Clone, Debug)]
+pub(super) struct Sightings {
+    about_m: [f64; 2],
+    /// Which way and how far away each is, metres.
+    dx_m: Vec<f64>,
+    dy_m: Vec<f64>,
+    distance_m: Vec<f64>,
+    direction: Vec<u8>,
+    /// How much nearer each counts, metres: for the safety layer …
+    nearer_m: Vec<f64>,
+    moves: Vec<bool>,
+    /// … and for the law, −∞ where that does not see it.
+    law_nearer_m: Vec<f64>,
+    /// How far away each counts then, metres; +∞ where it is not seen.
+    drawn_m: Vec<f64>,
+    law_drawn_m: Vec<f64>,
+}
+
+impl Sightings {
+    /// None yet.
+    pub(super) fn new() -> Sightings {
+        let room = || Vec::with_capacity(Points::CAPACITY);
+        Sightings {
+            about_m: [0.0; 2],
+            dx_m: room(),
+            dy_m: room(),
+            distance_m: room(),
+            direction: Vec::with_capacity(Points::CAPACITY),
+            nearer_m: room(),
+            moves: Vec::with_capacity(Points::CAPACITY),
+            law_nearer_m: room(),
+            drawn_m: room(),
+            law_drawn_m: room(),
+        }
+    }
+
+    /// Sights `points` from `about_m`; the law sees the confirmed ones alone, and does not reckon with what
+    /// moves.
+    pub(super) fn take(
+        &mut self,
+        points: &Points,
+        about_m: [f64; 2],
+        doubt: impl Fn(&Point) -> Doubt,
+    ) {
+        self.about_m = about_m;
+        self.nearer_m.clear();
+        self.moves.clear();
+        self.law_nearer_m.clear();
+        for point in points.as_slice() {
+            let doubt = doubt(point);
+            let of_law_m = if point.confirmed { doubt.stands_m } else { f64::NEG_INFINITY };
+            self.nearer_m.push(doubt.nearer_m());
+            self.moves.push(doubt.moved_m.is_some());
+            self.law_nearer_m.push(of_law_m);
+        }
+        let [x_m, y_m] = points.places_m();
+        refill(&mut self.dx_m, x_m.iter().map(|x_m| x_m - about_m[0]));
+        refill(&mut self.dy_m, y_m.iter().map(|y_m| y_m - about_m[1]));
+        let offsets_m = || self.dx_m.iter().zip(&self.dy_m);
+        let distances_m = offsets_m().map(|(dx, dy)| (dx * dx + dy * dy).sqrt());
+        refill(&mut self.distance_m, distances_m);
+        refill(&mut self.direction, offsets_m().map(|(dx, dy)| direction(*dx, *dy) as u8));
+        let drawn = |(distance_m, nearer_m): (&f64, &f64)| (distance_m - nearer_m).max(0.0);
+        refill(&mut self.drawn_m, self.distance_m.iter().zip(&self.nearer_m).map(drawn));
+        refill(&mut self.law_drawn_m, self.distance_m.iter().zip(&self.law_nearer_m).map(drawn));
+    }
+
+    /// The place that they are about, metres.
+    pub(super) fn about_m(&self) -> [f64; 2] {
+        self.about_m
+    }
+
+    /// In which direction each appears, and how far away it counts, metres, for the safety layer and for
+    /// the law.
+    pub(super) fn drawn(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
+        let drawn_m = self.drawn_m.iter().zip(&self.law_drawn_m);
+        self.direction.iter().zip(drawn_m).map(|(direction, (drawn_m, law_drawn_m))| {
+            (usize::from(*direction), [*drawn_m, *law_drawn_m])
+        })
+    }
+
+    /// How much nearer each counts for the safety layer, metres, and whether it may be on its way.
+    pub(super) fn doubts(&self) -> impl Iterator<Item = (f64, bool)> {
+        self.nearer_m.iter().copied().zip(self.moves.iter().copied())
+    }
+
+    /// Where one is, metres, world frame, once drawn to `drawn_m` from the place that they are about.
+    pub(super) fn at_m(&self, index: usize, drawn_m: f64) -> [f64; 2] {
+        let offset_m = [self.dx_m[index], self.dy_m[index]];
+        drawn_to(self.about_m, offset_m, self.distance_m[index], drawn_m)
+    }
+}
+
+/// Puts other numbers in the place of those there are.
+fn refill<T>(column: &mut Vec<T>, with: impl Iterator<Item = T>) {
+    column.clear();
+    column.extend(with);
+}
+
+/// A point `offset_m` and `distance_m` from `about_m`, once drawn to `drawn_m` from there, metres.
+fn drawn_to(about_m: [f64; 2], [dx, dy]: [f64; 2], distance_m: f64, drawn_m: f64) -> [f64; 2] {
+    let share = if distance_m > 0.0 { drawn_m / distance_m } else { 0.0 };
+    [about_m[0] + share * dx, about_m[1] + share * dy]
+}
+
+/// Draws one point nearer to `about_m` by `by_m`: where it appears then, metres, world frame. `None` if it
+/// is no number.
+pub(super) fn drawn_nearer_m(about_m: [f64; 2], point_m: [f64; 2], by_m: f64) -> Option<[f64; 2]> {
+    let offset_m = [point_m[0] - about_m[0], point_m[1] - about_m[1]];
+    let [dx, dy] = offset_m;
+    let distance_m = (dx * dx + dy * dy).sqrt();
+    let drawn_m = (distance_m - by_m).max(0.0);
+    (dx.abs() + dy.abs()).is_finite().then(|| drawn_to(about_m, offset_m, distance_m, drawn_m))
+}
+
+/// Which direction a vector points in, by a pseudo-angle that needs no arctangent: y/(|x|+|y|) in the
+/// first quadrant, 1 − x/(|x|+|y|) in the second, and so on around. [`NOWHERE`] if the vector is no number.
+pub(super) fn direction(x: f64, y: f64) -> usize {
+    // Chosen, not branched to: points lie in any quadrant, and several are reckoned at once.
+    let (behind, right) = (x < 0.0, y < 0.0);
+    let sum = x.abs() + y.abs();
+    let part = if behind == right { y } else { x } / sum;
+    let start = if behind {
+        if right { 2.0 } else { 1.0 }
+    } else if right {
+        3.0
+    } else {
+        0.0
+    };
+    let steps = (start + if behind { -part } else { part }) * (DIRECTIONS / 4) as f64;
+    // A quotient may round up to the next quadrant's start, and the last to a whole turn; no vector at all
+    // has none.
+    let direction = (steps as i32 as usize).min(DIRECTIONS - 1);
+    if sum < f64::INFINITY { direction } else { NOWHERE }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::beam::unit;
+    use super::*;
+
+    /// Every direction of the circle falls into one of the 240, in order, each 0.9° to 2° wide.
+    #[test]
+    fn directions_go_round_once() {
+        let mut previous = 0;
+        let mut counts = [0_u32; DIRECTIONS];
+        for i in 0..36_000 {
+            let [x, y] = unit((f64::from(i) * 0.01).to_radians());
+            let d = direction(x, y);
+            assert!(d == previous || d == previous + 1, "{i}: {previous} {d}");
+            previous = d;
+            counts[d] += 1;
+        }
+        assert!(counts.iter().all(|count| (90..=200).contains(count)), "{counts:?}");
+        assert_eq!(direction(0.0, 0.0), 0);
+        for (x, y) in [(f64::NAN, 1.0), (1.0, f64::NAN), (f64::INFINITY, 1.0), (f64::MAX, f64::MAX)]
+        {
+            assert_eq!(direction(x, y), NOWHERE);
+        }
+    }
+
+    /// Drawing nearer stops at the place.
+    #[test]
+    fn what_is_drawn_nearer_stays_in_its_direction() {
+        assert_eq!(drawn_nearer_m([0.0; 2], [0.0, 0.5], 0.2), Some([0.0, 0.3]));
+        assert_eq!(drawn_nearer_m([1.0, 2.0], [1.0, 2.5], 0.9), Some([1.0, 2.0]));
+        assert_eq!(drawn_nearer_m([1.0, 2.0], [1.0, 2.0], 0.9), Some([1.0, 2.0]));
+        assert_eq!(drawn_nearer_m([0.0; 2], [f64::NAN, 0.5], 0.2), None);
+    }
+}
