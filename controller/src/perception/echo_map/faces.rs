@@ -4,6 +4,11 @@
 //! line from the robot by 5 cm. A face is where many points agree; near faces count more than far
 //! ones. An arc's wrong points vote too, but they agree on nothing.
 
+#![expect(
+    clippy::needless_bitwise_bool,
+    reason = "without branches: neighbours in the list of points are of every kind"
+)]
+
 use schemas::{Span, Time};
 
 use super::beam::unit;
@@ -57,6 +62,16 @@ const MOST_SUPPORT: i16 = 500;
 /// How many neighbouring directions on either side share in the refined angle.
 const SPREAD: usize = 2;
 
+/// A row of votes: the cells of a direction, those of the opposite one before them, outwards, and at either end
+/// a place for what is farther away.
+const ROW: usize = 2 * (CELLS + 1);
+
+/// Where the cells of a row's own direction begin.
+const AHEAD: usize = CELLS + 1;
+
+/// How many points vote at once.
+const AT_ONCE: usize = 16;
+
 /// The transform's constant tables.
 #[derive(Clone, Debug)]
 pub(super) struct Faces {
@@ -64,26 +79,32 @@ pub(super) struct Faces {
     normals_y: [f32; HALF],
     /// Where the votes of a direction start.
     rows: [u32; HALF],
+    /// By cell: in the order of a direction's cells, and of an opposite one's.
     weights: [i16; CELLS],
+    opposite_weights: [i16; CELLS],
 }
-
-/// Places of a direction's votes: the cells, one for what is farther away, and what fills the row up to
-/// whole vectors.
-const ROW: usize = 56;
-
-/// Where opposite directions' votes start, beyond those of a direction.
-const OPPOSITE: u32 = (HALF * ROW) as u32;
 
 /// The votes of all directions, row by row; as many places as a mask of bits can tell.
 #[derive(Clone, Debug)]
 struct Votes([i16; Votes::PLACES]);
 
 impl Votes {
-    const PLACES: usize = (DIRECTIONS * ROW).next_power_of_two();
+    const PLACES: usize = (HALF * ROW).next_power_of_two();
 
-    /// Votes of one direction: one cell more than counts, which is empty, so that each has a next.
-    fn row(&self, direction: usize) -> &[i16] {
-        &self.0[direction * ROW..][..=CELLS]
+    /// The row that a direction shares with its opposite.
+    fn row(&self, direction: usize) -> &[i16; ROW] {
+        let (rows, _) = self.0.as_chunks();
+        &rows[direction % HALF]
+    }
+
+    /// How many points lie within a cell and its next: a line on the edge of a cell is not split.
+    fn support(&self, direction: usize, cell: usize) -> i16 {
+        let row = self.row(direction);
+        if direction < HALF {
+            row[AHEAD + cell] + row[AHEAD + cell + 1]
+        } else {
+            row[AHEAD - 1 - cell] + row[AHEAD - 2 - cell]
+        }
     }
 }
 
@@ -92,110 +113,124 @@ impl Faces {
         let normals: [[f32; 2]; HALF] = std::array::from_fn(|i| {
             unit(angle_rad(i as f64)).map(|x| libm::round(UNITS_PER_1 * x) as f32)
         });
+        let weights = std::array::from_fn(|cell| {
+            let distance_m = CELL_M * (cell + 1) as f64;
+            libm::round(WEIGHT_UNITS / (NEAR_M + distance_m)) as i16
+        });
         Faces {
             normals_x: normals.map(|[x, _]| x),
             normals_y: normals.map(|[_, y]| y),
             rows: std::array::from_fn(|i| (i * ROW) as u32),
-            weights: std::array::from_fn(|cell| {
-                let distance_m = CELL_M * (cell + 1) as f64;
-                libm::round(WEIGHT_UNITS / (NEAR_M + distance_m)) as i16
-            }),
+            weights,
+            opposite_weights: std::array::from_fn(|i| weights[CELLS - 1 - i]),
         }
     }
 
     /// World angle from `from_m` square into the nearest face, radians, from −π to π; `None` where too
     /// few points agree.
-    pub(super) fn nearest_rad<'a>(
-        &self,
-        points: impl Iterator<Item = &'a Point>,
-        from_m: [f64; 2],
-        now: Time,
-    ) -> Option<f64> {
-        let votes = self.count(points, from_m, now);
+    pub(super) fn nearest_rad(&self, points: &[Point], from_m: [f64; 2], now: Time) -> Option<f64> {
+        let mut votes = Votes([0; Votes::PLACES]);
+        self.count(points, from_m, now, &mut votes);
         let (best, cell) = self.heaviest(&votes)?;
         Some(refined_rad(&votes, best, cell))
     }
 
-    fn count<'a>(
-        &self,
-        points: impl Iterator<Item = &'a Point>,
-        from_m: [f64; 2],
-        now: Time,
-    ) -> Votes {
-        let mut votes = Votes([0; Votes::PLACES]);
-        let voters = points.filter(|point| {
-            point.confirmed && point.range_m <= REACH_M && now.since(point.fired) <= LIFE
-        });
-        for point in voters {
-            let offset_m = [point.at_m[0] - from_m[0], point.at_m[1] - from_m[1]];
-            if offset_m[0].abs().max(offset_m[1].abs()) > FARTHEST_M {
-                continue;
-            }
-            let units = offset_m.map(|metres| (UNITS_PER_M * metres) as i32 as f32);
-            for place in self.places(units) {
-                votes.0[place as usize % Votes::PLACES] += 1;
+    /// Lets the points vote.
+    fn count(&self, points: &[Point], from_m: [f64; 2], now: Time, votes: &mut Votes) {
+        let mut voters = [[0.0; 2]; AT_ONCE];
+        let mut count = 0;
+        for point in points {
+            let [dx, dy] = [point.at_m[0] - from_m[0], point.at_m[1] - from_m[1]];
+            voters[count] = [dx, dy].map(|metres| (UNITS_PER_M * metres) as i32 as f32);
+            let votes_too = point.confirmed
+                & (point.range_m <= REACH_M)
+                & (now.since(point.fired) <= LIFE)
+                & (dx.abs() <= FARTHEST_M)
+                & (dy.abs() <= FARTHEST_M);
+            count += usize::from(votes_too);
+            if count == AT_ONCE {
+                self.vote(&voters, votes);
+                count = 0;
             }
         }
-        for direction in 0..DIRECTIONS {
-            votes.0[direction * ROW + CELLS] = 0;
+        self.vote(&voters[..count], votes);
+        for row in votes.0.as_chunks_mut::<ROW>().0 {
+            [row[0], row[ROW - 1]] = [0; 2];
         }
-        votes
+    }
+
+    fn vote(&self, voters: &[[f32; 2]], votes: &mut Votes) {
+        // All places first: several are reckoned at once.
+        let mut places = [[0; HALF]; AT_ONCE];
+        for (places, voter) in places.iter_mut().zip(voters) {
+            *places = self.places(*voter);
+        }
+        for place in places[..voters.len()].as_flattened() {
+            votes.0[*place as usize % Votes::PLACES] += 1;
+        }
     }
 
     /// Where a point's votes go: one per direction, or the opposite one.
     fn places(&self, [x, y]: [f32; 2]) -> [u32; HALF] {
         std::array::from_fn(|i| {
-            let distance = x * self.normals_x[i] + y * self.normals_y[i];
-            // By its sign bit, without a comparison; a zero that is added leaves no negative one.
-            let negative = (distance + 0.0).to_bits().cast_signed() >> 31;
-            self.rows[i] + (negative.cast_unsigned() & OPPOSITE) + cell_of(distance.abs())
+            self.rows[i] + place_of(x * self.normals_x[i] + y * self.normals_y[i])
         })
     }
 
     /// The direction and the cell, together with its next, that carry most weight; `None` if even they
     /// have too little support.
     fn heaviest(&self, votes: &Votes) -> Option<(usize, usize)> {
-        let weight =
-            |row: &[i16], cell: usize| support(row, cell).min(MOST_SUPPORT) * self.weights[cell];
-        let mut best = 0;
-        let mut best_weight = 0;
-        for direction in 0..DIRECTIONS {
-            let row = votes.row(direction);
-            let heaviest = (0..CELLS).fold(0, |most, cell| weight(row, cell).max(most));
-            if heaviest > best_weight {
-                best = direction;
-                best_weight = heaviest;
+        let (mut best, mut best_weight) = (0, 0);
+        for opposite in [false, true] {
+            for i in 0..HALF {
+                let row = votes.row(i);
+                let (cells, weights) = if opposite {
+                    (&row[..AHEAD], &self.opposite_weights)
+                } else {
+                    (&row[AHEAD..], &self.weights)
+                };
+                let heaviest = heaviest_pair(cells, weights);
+                if heaviest > best_weight {
+                    best = if opposite { HALF + i } else { i };
+                    best_weight = heaviest;
+                }
             }
         }
-        let row = votes.row(best);
-        let cell = (0..CELLS).find(|cell| weight(row, *cell) == best_weight)?;
-        (support(row, cell) >= LEAST_SUPPORT).then_some((best, cell))
+        let is_best = |cell: &usize| {
+            votes.support(best, *cell).min(MOST_SUPPORT) * self.weights[*cell] == best_weight
+        };
+        let cell = (0..CELLS).find(is_best)?;
+        (votes.support(best, cell) >= LEAST_SUPPORT).then_some((best, cell))
     }
 }
 
-/// The cell of a distance in units, which is a whole number; [`CELLS`] for all that is farther away.
-fn cell_of(distance: f32) -> u32 {
+/// The place in a row of a distance in units, which is a whole number.
+fn place_of(distance: f32) -> u32 {
     const CELLS_PER_UNIT: f32 = 1.0 / UNITS_PER_CELL as f32;
-    let cells = distance * CELLS_PER_UNIT;
+    let cells = distance.abs() * CELLS_PER_UNIT;
     let within = if cells < CELLS as f32 { cells } else { CELLS as f32 };
-    ((within - TO_WHOLE) + ROUNDING).to_bits() & 0xff
+    let cell = ((within - TO_WHOLE) + ROUNDING).to_bits() & 0xff;
+    // Of the cells behind the first one lies before the first one ahead: −1 − cell.
+    let behind = distance < 0.0;
+    (AHEAD as u32).wrapping_add(if behind { !cell } else { cell })
 }
 
-/// Points on a line of a row, within the cell and its next: a line on the edge of a cell is not split.
-fn support(row: &[i16], cell: usize) -> i16 {
-    row[cell] + row[cell + 1]
+/// The most weight of two neighbouring cells, of one more than there are weights.
+fn heaviest_pair(cells: &[i16], weights: &[i16; CELLS]) -> i16 {
+    let pairs = cells.iter().zip(&cells[1..]).zip(weights);
+    pairs.fold(0, |most, ((a, b), weight)| most.max((a + b).min(MOST_SUPPORT) * weight))
 }
 
 /// The centroid of the directions about the best one. The cube of the support tells a peak from the
 /// broad foot that every Hough peak stands on.
 fn refined_rad(votes: &Votes, best: usize, cell: usize) -> f64 {
-    let most = f64::from(support(votes.row(best), cell));
+    let most = f64::from(votes.support(best, cell));
     let cells = cell.saturating_sub(1)..=(cell + 1).min(CELLS - 1);
     let (mut moment, mut mass) = (0.0, 0.0);
     for step in 0..=2 * SPREAD {
         let off = step as f64 - SPREAD as f64;
-        let row = votes.row((best + DIRECTIONS + step - SPREAD) % DIRECTIONS);
-        let like = cells.clone().map(|cell| support(row, cell)).max().unwrap_or(0);
+        let direction = (best + DIRECTIONS + step - SPREAD) % DIRECTIONS;
+        let like = cells.clone().map(|cell| votes.support(direction, cell)).max().unwrap_or(0);
         let share = (f64::from(like) / most).min(1.0);
         let cube = share * share * share;
         moment += cube * off;
@@ -245,7 +280,7 @@ mod tests {
     }
 
     fn nearest_deg(points: &[Point]) -> Option<f64> {
-        Faces::new().nearest_rad(points.iter(), [0.0; 2], SIMULATION_EPOCH).map(f64::to_degrees)
+        Faces::new().nearest_rad(points, [0.0; 2], SIMULATION_EPOCH).map(f64::to_degrees)
     }
 
     fn apart_deg(a: f64, b: f64) -> f64 {
@@ -253,14 +288,17 @@ mod tests {
         turn.min(360.0 - turn)
     }
 
-    /// Every distance there can be falls into the cell that division gives.
+    /// Every distance there can be, ahead and behind, falls into the cell that division gives.
     #[test]
     fn distances_fall_into_their_cells() {
         let farthest = 15_000_000;
         assert!(farthest < 1 << f32::MANTISSA_DIGITS);
         for distance in 0..farthest {
             let cell = (distance / UNITS_PER_CELL).min(CELLS as u32);
-            assert_eq!(cell_of(distance as f32), cell, "{distance}");
+            let ahead = AHEAD as u32;
+            assert_eq!(place_of(distance as f32), ahead + cell, "{distance}");
+            let behind = if distance == 0 { ahead } else { ahead - 1 - cell };
+            assert_eq!(place_of(-(distance as f32)), behind, "−{distance}");
         }
         let most = 2.0 * UNITS_PER_M * FARTHEST_M * UNITS_PER_1;
         assert!(most * std::f64::consts::FRAC_1_SQRT_2 < f64::from(farthest));
@@ -270,16 +308,19 @@ mod tests {
     #[test]
     fn votes_go_to_the_side_where_the_point_is() {
         let faces = Faces::new();
-        for (x, y) in
-            [(0, 0), (0, 1), (0, -1), (-1, 0), (700, -300), (-2_000, 1_500), (-9_000, 9_000)]
+        for (x, y) in [(0, 0), (0, 1), (0, -1), (-1, 0), (700, -300), (-2_000, 1_500), (-900, 900)]
         {
-            let places = faces.places([x as f32, y as f32]);
-            for (i, place) in places.into_iter().enumerate() {
+            let mut votes = Votes([0; Votes::PLACES]);
+            faces.vote(&[[x as f32, y as f32]], &mut votes);
+            assert_eq!(votes.0.iter().map(|votes| *votes as usize).sum::<usize>(), HALF);
+            for i in 0..HALF {
                 let normal = [faces.normals_x[i] as i32, faces.normals_y[i] as i32];
                 let distance = x * normal[0] + y * normal[1];
-                let opposite = if distance < 0 { OPPOSITE } else { 0 };
-                let cell = (distance.unsigned_abs() / UNITS_PER_CELL).min(CELLS as u32);
-                assert_eq!(place, (i * ROW) as u32 + opposite + cell, "{x} {y} {i}");
+                let direction = if distance < 0 { HALF + i } else { i };
+                let cell = (distance.unsigned_abs() / UNITS_PER_CELL) as usize;
+                if cell < CELLS {
+                    assert_eq!(votes.support(direction, cell), 1, "{x} {y} {i}");
+                }
             }
         }
     }
@@ -314,7 +355,7 @@ mod tests {
         let unconfirmed: Vec<Point> = all.iter().map(|p| heard(p.at_m, 1.0, false)).collect();
         assert!(nearest_deg(&unconfirmed).is_none());
         let later = SIMULATION_EPOCH.after_ns(3_000_000_001);
-        assert!(Faces::new().nearest_rad(all.iter(), [0.0; 2], later).is_none());
+        assert!(Faces::new().nearest_rad(&all, [0.0; 2], later).is_none());
         let far: Vec<Point> = all.iter().map(|p| heard(p.at_m, 2.6, true)).collect();
         assert!(nearest_deg(&far).is_none());
     }

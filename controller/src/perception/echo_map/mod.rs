@@ -261,7 +261,7 @@ impl EchoMap {
     /// few echoes agree on one. To be asked after [`EchoMap::advance`].
     pub fn face_direction_rad(&self, from: &Pose) -> Option<f64> {
         let now = self.advanced_to.filter(|_| from.is_finite())?;
-        self.faces.nearest_rad(self.points.as_slice().iter(), from.position_m(), now)
+        self.faces.nearest_rad(self.points.as_slice(), from.position_m(), now)
     }
 
     /// Takes the whole state into a hash; `start` is the start of the session.
