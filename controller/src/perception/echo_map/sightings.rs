@@ -10,6 +10,10 @@ pub(super) const DIRECTIONS: usize = 240;
 /// The direction of what is no number.
 pub(super) const NOWHERE: usize = DIRECTIONS;
 
+/// Nothing is drawn nearer to the place than this, metres: it keeps its direction, and a way towards it is
+/// never free.
+const NEAREST_M: f64 = 1e-3;
+
 /// The points about one place, one number of each kind for each, in their order: the same is reckoned for
 /// several at once.
 #[derive(Clone, Debug)]
@@ -74,7 +78,7 @@ impl Sightings {
         let distances_m = offsets_m().map(|(dx, dy)| (dx * dx + dy * dy).sqrt());
         refill(&mut self.distance_m, distances_m);
         refill(&mut self.direction, offsets_m().map(|(dx, dy)| direction(*dx, *dy) as u8));
-        let drawn = |(distance_m, nearer_m): (&f64, &f64)| (distance_m - nearer_m).max(0.0);
+        let drawn = |(distance_m, nearer_m): (&f64, &f64)| drawn_m(*distance_m, *nearer_m);
         refill(&mut self.drawn_m, self.distance_m.iter().zip(&self.nearer_m).map(drawn));
         refill(&mut self.law_drawn_m, self.distance_m.iter().zip(&self.law_nearer_m).map(drawn));
     }
@@ -111,6 +115,11 @@ fn refill<T>(column: &mut Vec<T>, with: impl Iterator<Item = T>) {
     column.extend(with);
 }
 
+/// How far away a point counts that counts nearer than it is, metres.
+fn drawn_m(distance_m: f64, nearer_m: f64) -> f64 {
+    (distance_m - nearer_m).max(distance_m.min(NEAREST_M))
+}
+
 /// A point `offset_m` and `distance_m` from `about_m`, once drawn to `drawn_m` from there, metres.
 fn drawn_to(about_m: [f64; 2], [dx, dy]: [f64; 2], distance_m: f64, drawn_m: f64) -> [f64; 2] {
     let share = if distance_m > 0.0 { drawn_m / distance_m } else { 0.0 };
@@ -123,7 +132,7 @@ pub(super) fn drawn_nearer_m(about_m: [f64; 2], point_m: [f64; 2], by_m: f64) ->
     let offset_m = [point_m[0] - about_m[0], point_m[1] - about_m[1]];
     let [dx, dy] = offset_m;
     let distance_m = (dx * dx + dy * dy).sqrt();
-    let drawn_m = (distance_m - by_m).max(0.0);
+    let drawn_m = drawn_m(distance_m, by_m);
     (dx.abs() + dy.abs()).is_finite().then(|| drawn_to(about_m, offset_m, distance_m, drawn_m))
 }
 
@@ -173,11 +182,12 @@ mod tests {
         }
     }
 
-    /// Drawing nearer stops at the place.
+    /// Drawing nearer stops before the place, or the point would lie in no direction any more.
     #[test]
     fn what_is_drawn_nearer_stays_in_its_direction() {
         assert_eq!(drawn_nearer_m([0.0; 2], [0.0, 0.5], 0.2), Some([0.0, 0.3]));
-        assert_eq!(drawn_nearer_m([1.0, 2.0], [1.0, 2.5], 0.9), Some([1.0, 2.0]));
+        assert_eq!(drawn_nearer_m([1.0, 2.0], [1.0, 2.5], 0.9), Some([1.0, 2.001]));
+        assert_eq!(drawn_nearer_m([0.0; 2], [0.0, 5e-4], 0.2), Some([0.0, 5e-4]));
         assert_eq!(drawn_nearer_m([1.0, 2.0], [1.0, 2.0], 0.9), Some([1.0, 2.0]));
         assert_eq!(drawn_nearer_m([0.0; 2], [f64::NAN, 0.5], 0.2), None);
     }
