@@ -93,3 +93,41 @@ impl Accumulate for StopMargin {
         self.least_m.is_finite().then_some(self.least_m)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use schemas::{Pose, Twist};
+
+    use super::*;
+
+    fn motion(ttc_s: f64) -> Motion {
+        Motion {
+            t_s: 0.0,
+            hold_s: 0.25,
+            pose: Pose::default(),
+            twist: Twist::default(),
+            clearance_m: f64::NAN,
+            clearance_static_m: f64::NAN,
+            discs: Vec::new(),
+            ttc_s,
+        }
+    }
+
+    /// τ* itself is not below τ*. What is known so far is told after each motion, for the profile.
+    #[test]
+    fn exposure_is_the_time_below_the_threshold() {
+        let mut exposure = TtcExposure::default();
+        assert_eq!((exposure.value(), exposure.total()), (None, None));
+        let steps = [
+            (f64::NAN, None),
+            (3.0, Some(0.0)),
+            (1.49, Some(0.25)),
+            (1.5, Some(0.25)),
+            (0.0, Some(0.5)),
+        ];
+        for (ttc_s, want_s) in steps {
+            exposure.motion(&motion(ttc_s));
+            assert_eq!((exposure.value(), exposure.total()), (want_s, want_s), "after {ttc_s} s");
+        }
+    }
+}
