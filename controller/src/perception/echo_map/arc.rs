@@ -43,9 +43,11 @@ const CARVE_OWN_HALF_CONE_DEG: f64 = 11.0;
 const CARVE_SHARE: f64 = 0.95;
 const CARVE_SHORT_M: f64 = 0.05;
 
-/// The least cosine of the angle between an echo's axis and one of its arc's points, which are up to
-/// 10° off; and a slack for rounding, metres. For telling quickly what cannot be near the arc.
-const ARC_LEAST_COSINE: f64 = 0.98;
+/// The wedge is so much wider than the cone at the sonar's face, metres: what is as near as
+/// [`CONFIRM_WITHIN_M`] lies in it whichever way, and what repeats the end of a short arc.
+const WEDGE_AT_FACE_M: f64 = 0.11;
+
+/// Slack for rounding, metres.
 const HAIR_M: f64 = 1e-6;
 
 /// Slopes of the cones within which echoes confirm and carve: tangents of their half-angles.
@@ -74,16 +76,52 @@ pub(super) struct Arc<'a> {
     /// Squared distance up to which the echo has looked through a point, metres².
     carve_below_m2: f64,
     repeat_within_m2: f64,
-    /// Squared distance and way ahead from which on a point may stand where one of the arc's does.
-    repeat_beyond_m2: f64,
-    repeat_ahead_m: f64,
+    /// The wedge that everything lies in that can matter: see [`Arc::may_concern`].
+    wedge: Wedge,
+}
+
+/// A wedge about an axis, up to a line across it. With the way ahead and aside reckoned from the origin, no
+/// point has to be moved first.
+#[derive(Clone, Copy, Debug)]
+struct Wedge {
+    axis: [f64; 2],
+    /// The way ahead where it ends, metres.
+    end_m: f64,
+    /// The way aside of its middle, metres.
+    middle_m: f64,
+    /// Its half-width at the origin, metres, and by how much that grows on the way ahead.
+    half_m: f64,
+    growth: f64,
 }
 
 /// A point as seen along an echo's axis.
-pub(super) struct Sight {
+struct Sight {
     forward_m: f64,
     aside_m: f64,
     distance_m2: f64,
+}
+
+/// What an echo does to a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Bearing {
+    /// Nothing.
+    None,
+    /// It has looked through the point.
+    Carves,
+    /// It confirms the point.
+    Confirms,
+    /// It confirms the point, and puts one of its own in the place of it.
+    Replaces,
+}
+
+/// What an echo and a point are to each other.
+pub(super) struct Meeting {
+    /// What the echo does to the point once it is confirmed.
+    pub(super) bearing: Bearing,
+    /// Whether the point, of another firing, lies on the arc: so it confirms the echo.
+    pub(super) confirms: bool,
+    /// Which of the arc's points stand where this older one does.
+    pub(super) repeated: [bool; ARC_POINTS],
 }
 
 impl Arc<'_> {
@@ -94,7 +132,6 @@ impl Arc<'_> {
         let nearest_m = (range_m - within_m).max(0.0);
         let farthest_m = range_m + within_m;
         let repeat_m = REPEAT_WITHIN_M + REPEAT_WITHIN_SHARE * range_m;
-        let repeat_beyond_m = (range_m - repeat_m - HAIR_M).max(0.0);
         let carve_below_m = (CARVE_SHARE * range_m - CARVE_SHORT_M).max(0.0);
         Arc {
             echo,
@@ -102,12 +139,11 @@ impl Arc<'_> {
             on_arc_m2: [nearest_m * nearest_m, farthest_m * farthest_m],
             carve_below_m2: carve_below_m * carve_below_m,
             repeat_within_m2: repeat_m * repeat_m,
-            repeat_beyond_m2: repeat_beyond_m * repeat_beyond_m,
-            repeat_ahead_m: ARC_LEAST_COSINE * range_m - repeat_m - HAIR_M,
+            wedge: Wedge::of(echo, farthest_m, slopes.confirm * farthest_m),
         }
     }
 
-    pub(super) fn sight(&self, at_m: [f64; 2]) -> Sight {
+    fn sight(&self, at_m: [f64; 2]) -> Sight {
         let [from_m, axis] = [self.echo.from_m, self.echo.axis];
         let [dx, dy] = [at_m[0] - from_m[0], at_m[1] - from_m[1]];
         Sight {
@@ -117,13 +153,37 @@ impl Arc<'_> {
         }
     }
 
-    /// Whether a point can matter to the echo: false only where it neither carves, confirms nor repeats.
-    pub(super) fn concerns(&self, sight: &Sight) -> bool {
-        // The cones of carving are within that of confirming, and what repeats is nearer than what
-        // confirms.
-        let may_repeat =
-            (sight.distance_m2 >= self.repeat_beyond_m2) & (sight.forward_m >= self.repeat_ahead_m);
-        (sight.distance_m2 <= self.on_arc_m2[1]) & (self.in_cone(sight) | may_repeat)
+    /// Whether a point at a place can matter to the echo: false only where it neither carves, confirms nor
+    /// repeats.
+    pub(super) fn may_concern(&self, [x_m, y_m]: [f64; 2]) -> bool {
+        let Wedge { axis, end_m, middle_m, half_m, growth } = self.wedge;
+        let forward_m = x_m * axis[0] + y_m * axis[1];
+        let aside_m = y_m * axis[0] - x_m * axis[1];
+        (forward_m <= end_m) & ((aside_m - middle_m).abs() <= half_m + growth * forward_m)
+    }
+
+    /// What the echo and a point are to each other.
+    pub(super) fn meet(&self, point: &Point) -> Meeting {
+        let sight = self.sight(point.at_m);
+        let older = point.fired < self.echo.fired;
+        let [nearest_m2, farthest_m2] = self.on_arc_m2;
+        let on_arc = (sight.distance_m2 >= nearest_m2) & (sight.distance_m2 <= farthest_m2);
+        let other_firing = point.fired.0.abs_diff(self.echo.fired.0) > OTHER_FIRING.0;
+        let confirms = on_arc & self.in_cone(&sight) & other_firing;
+        let carves = older & self.carves(point, &sight);
+        // What repeats is nearer to the arc than what confirms need be, and lies beyond what is carved.
+        let may_repeat = older & on_arc & !carves;
+        let repeated = if may_repeat { self.repeats(point) } else { [false; ARC_POINTS] };
+        let bearing = if carves {
+            Bearing::Carves
+        } else if !confirms {
+            Bearing::None
+        } else if repeated == [false; ARC_POINTS] {
+            Bearing::Confirms
+        } else {
+            Bearing::Replaces
+        };
+        Meeting { bearing, confirms, repeated }
     }
 
     fn in_cone(&self, sight: &Sight) -> bool {
@@ -132,31 +192,106 @@ impl Arc<'_> {
             | (sight.distance_m2 <= CONFIRM_WITHIN_M * CONFIRM_WITHIN_M)
     }
 
-    /// Whether the echo is newer than a point.
-    pub(super) fn is_after(&self, point: &Point) -> bool {
-        point.fired < self.echo.fired
-    }
-
     /// Whether the echo has looked through a point.
-    pub(super) fn carves(&self, point: &Point, sight: &Sight) -> bool {
+    fn carves(&self, point: &Point, sight: &Sight) -> bool {
         let own = point.sonar == self.echo.sonar;
         let slope = if own { self.slopes.carve_own } else { self.slopes.carve };
-        sight.distance_m2 < self.carve_below_m2 && sight.aside_m <= slope * sight.forward_m
-    }
-
-    /// Whether a point of another firing lies on the arc.
-    pub(super) fn confirms(&self, point: &Point, sight: &Sight) -> bool {
-        let [nearest_m2, farthest_m2] = self.on_arc_m2;
-        self.in_cone(sight)
-            && (nearest_m2..=farthest_m2).contains(&sight.distance_m2)
-            && point.fired.0.abs_diff(self.echo.fired.0) > OTHER_FIRING.0
+        (sight.distance_m2 < self.carve_below_m2) & (sight.aside_m <= slope * sight.forward_m)
     }
 
     /// Which of the arc's points stand where this one does.
-    pub(super) fn repeats(&self, point: &Point) -> [bool; ARC_POINTS] {
+    fn repeats(&self, point: &Point) -> [bool; ARC_POINTS] {
         self.echo.arc_m.map(|at_m| {
             let [dx, dy] = [at_m[0] - point.at_m[0], at_m[1] - point.at_m[1]];
             dx * dx + dy * dy <= self.repeat_within_m2
         })
+    }
+}
+
+impl Wedge {
+    /// That of an echo, up to a way ahead where it is to be so wide on either side, metres.
+    fn of(echo: &PlacedEcho, ahead_m: f64, half_m: f64) -> Wedge {
+        let ([x_m, y_m], axis) = (echo.from_m, echo.axis);
+        let forward_m = x_m * axis[0] + y_m * axis[1];
+        let growth = (half_m - WEDGE_AT_FACE_M).max(0.0) / ahead_m;
+        // Rounding grows with the way from the origin.
+        let hair_m = HAIR_M * (1.0 + x_m.abs() + y_m.abs());
+        Wedge {
+            axis,
+            end_m: forward_m + ahead_m + hair_m,
+            middle_m: y_m * axis[0] - x_m * axis[1],
+            half_m: WEDGE_AT_FACE_M - growth * forward_m + hair_m,
+            growth,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+    use schemas::SIMULATION_EPOCH;
+
+    use super::super::beam::unit;
+    use super::*;
+
+    fn echo(from_m: [f64; 2], axis_rad: f64, range_m: f64) -> PlacedEcho {
+        let arc_m = [-10.0, -5.0, 0.0, 5.0, 10.0].map(|off_deg: f64| {
+            let [x, y] = unit(axis_rad + off_deg.to_radians());
+            [from_m[0] + range_m * x, from_m[1] + range_m * y]
+        });
+        let fired = SIMULATION_EPOCH.after_ns(320_000_000);
+        let axis = unit(axis_rad);
+        PlacedEcho { sonar: 3, from_m, axis, arc_m, range_m, fired, odometer_m: 0.0 }
+    }
+
+    fn older_point(at_m: [f64; 2], sonar: u8) -> Point {
+        let echo = PlacedEcho { sonar, fired: SIMULATION_EPOCH, ..echo(at_m, 0.0, 0.0) };
+        Point::new(&echo, at_m, true)
+    }
+
+    proptest! {
+        /// What the wedge leaves out neither confirms nor is carved or repeated, wherever the robot is.
+        #[test]
+        fn the_wedge_hides_nothing(
+            from_m in prop_oneof![
+                prop::array::uniform2(-3.0..3.0),
+                prop::array::uniform2(-2_000.0..2_000.0),
+            ],
+            axis_rad in -4.0..4.0_f64,
+            range_m in prop_oneof![Just(0.0), 0.0..0.6, 0.0..5.1],
+            off_deg in prop_oneof![-14.0..14.0_f64, -180.0..180.0_f64],
+            share in prop_oneof![0.9..1.1, 0.0..1.3],
+            beyond_m in prop_oneof![Just(0.0), -0.12..0.12],
+            sonar in 3_u8..5,
+        ) {
+            let echo = echo(from_m, axis_rad, range_m);
+            let arc = Arc::of(&echo, Slopes::new());
+            let [x, y] = unit(axis_rad + off_deg.to_radians());
+            let away_m = share * range_m + beyond_m;
+            let at_m = [from_m[0] + away_m * x, from_m[1] + away_m * y];
+            let Meeting { bearing, confirms, repeated } = arc.meet(&older_point(at_m, sonar));
+            let concerns = bearing != Bearing::None || confirms || repeated.contains(&true);
+            prop_assert!(!concerns || arc.may_concern(at_m), "{bearing:?} {confirms} {repeated:?}");
+        }
+    }
+
+    /// 2 m ahead: what stands there is met, and repeated by the middle of the arc; what stands 0.155 m nearer
+    /// is carved, though it confirms as well; what stands behind, aside or beyond has nothing to do with it.
+    #[test]
+    fn a_point_is_met_where_the_echo_came_from() {
+        let echo = echo([0.0; 2], 0.0, 2.0);
+        let arc = Arc::of(&echo, Slopes::new());
+        let meet = |at_m| arc.meet(&older_point(at_m, 4));
+        let Meeting { bearing, confirms, repeated } = meet([2.0, 0.0]);
+        assert_eq!((bearing, confirms), (Bearing::Replaces, true));
+        assert_eq!(repeated, [false, false, true, false, false]);
+        // 2.0 less 0.1 + 0.03 · 2.0 is 1.84; 0.95 · 2.0 − 0.05 is 1.85.
+        let Meeting { bearing, confirms, .. } = meet([1.845, 0.0]);
+        assert_eq!((bearing, confirms), (Bearing::Carves, true));
+        assert_eq!(meet([2.1, 0.0]).bearing, Bearing::Confirms);
+        for at_m in [[-1.0, 0.0], [1.0, 0.6], [2.3, 0.0]] {
+            assert_eq!(meet(at_m).bearing, Bearing::None);
+            assert!(!arc.may_concern(at_m), "{at_m:?}");
+        }
     }
 }

@@ -1,5 +1,10 @@
 //! How much nearer than remembered a point may be.
 
+#![expect(
+    clippy::needless_bitwise_bool,
+    reason = "without branches: neighbours in the list of points are of every kind"
+)]
+
 use schemas::{Span, Time};
 
 use super::cones::Cones;
@@ -26,14 +31,16 @@ const STANDS_AFTER: Span = Span(1_000_000_000);
 pub(super) struct Doubt {
     /// How much nearer it may be if it stands, metres.
     pub(super) stands_m: f64,
-    /// How far what echoed there may have come besides, metres; `None` if it stands.
-    pub(super) moved_m: Option<f64>,
+    /// Whether what echoed there may have left for elsewhere …
+    pub(super) moves: bool,
+    /// … and how far it may have come since, metres; 0 if it stands.
+    pub(super) moved_m: f64,
 }
 
 impl Doubt {
     /// How much nearer it may be in all, metres.
     pub(super) fn nearer_m(&self) -> f64 {
-        self.stands_m + self.moved_m.unwrap_or(0.0)
+        self.stands_m + self.moved_m
     }
 }
 
@@ -51,19 +58,16 @@ pub(super) struct Doubts<'a> {
 impl Doubts<'_> {
     pub(super) fn about(&self, point: &Point) -> Doubt {
         let drift_m = (DRIFT_SHARE * (self.odometer_m - point.odometer_m)).min(DRIFT_MOST_M);
+        let since = self.now.since(point.fired);
+        // Without branches: neighbours in the list of points are of every kind.
+        let moves =
+            !stands(point) & (since < MOVING) & !self.cones.echoed_after(point.sonar, point.fired);
+        let moved_m = self.v_disc_mps * since.seconds();
         Doubt {
             stands_m: RANGE_SHARE * point.range_m + drift_m,
-            moved_m: self
-                .may_move(point)
-                .then(|| self.v_disc_mps * self.now.since(point.fired).seconds()),
+            moves,
+            moved_m: if moves { moved_m } else { 0.0 },
         }
-    }
-
-    /// Whether what echoed there may have left for elsewhere.
-    fn may_move(&self, point: &Point) -> bool {
-        !stands(point)
-            & (self.now.since(point.fired) < MOVING)
-            & !self.cones.echoed_after(point.sonar, point.fired)
     }
 }
 

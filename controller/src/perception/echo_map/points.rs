@@ -16,7 +16,7 @@
 
 use schemas::{Span, Time};
 
-use super::arc::{Arc, Slopes};
+use super::arc::{Arc, Bearing, Meeting, Slopes};
 use super::beam::ARC_POINTS;
 use crate::digest::Digest;
 
@@ -126,18 +126,6 @@ pub(super) struct Points {
     slopes: Slopes,
 }
 
-/// What the echo in hand means to a point.
-#[derive(Clone, Copy, Debug)]
-enum Bearing {
-    None,
-    /// It looks through the point.
-    Carves,
-    /// It confirms the point.
-    Confirms,
-    /// It puts a point in the place of this one.
-    Replaces,
-}
-
 /// How many points an echo is compared with at once.
 const AT_ONCE: usize = 32;
 
@@ -222,7 +210,7 @@ impl Points {
         for (x_m, y_m) in self.x_m.chunks(AT_ONCE).zip(self.y_m.chunks(AT_ONCE)) {
             let mut concerned = [false; AT_ONCE];
             for (concerned, (x_m, y_m)) in concerned.iter_mut().zip(x_m.iter().zip(y_m)) {
-                *concerned = arc.concerns(&arc.sight([*x_m, *y_m]));
+                *concerned = arc.may_concern([*x_m, *y_m]);
             }
             for concerned in &concerned[..x_m.len()] {
                 self.met[count] = index;
@@ -241,26 +229,16 @@ impl Points {
         self.bearings.clear();
         for met in &self.met {
             let point = &self.kept[usize::from(*met)];
-            let sight = arc.sight(point.at_m);
-            let older = arc.is_after(point);
-            let repeated = if older { arc.repeats(point) } else { [false; ARC_POINTS] };
+            let Meeting { bearing, confirms, repeated } = arc.meet(point);
             for (newer, repeated) in points.iter_mut().zip(repeated) {
-                if repeated {
-                    newer.since = newer.since.min(point.since);
-                    newer.heard = newer.heard.max(point.heard.saturating_add(1));
-                }
+                // Chosen, not branched to.
+                let since = newer.since.min(point.since);
+                let heard = newer.heard.max(point.heard.saturating_add(1));
+                newer.since = if repeated { since } else { newer.since };
+                newer.heard = if repeated { heard } else { newer.heard };
             }
-            let confirms = arc.confirms(point, &sight);
             confirmed |= confirms;
-            self.bearings.push(if older && arc.carves(point, &sight) {
-                Bearing::Carves
-            } else if !confirms {
-                Bearing::None
-            } else if repeated.contains(&true) {
-                Bearing::Replaces
-            } else {
-                Bearing::Confirms
-            });
+            self.bearings.push(bearing);
         }
         confirmed
     }
@@ -325,20 +303,19 @@ impl Points {
         let since = |life: Span| Time(now.0.saturating_sub(life.0));
         let confirmed_since = [since(CONFIRMED_LIFE), since(RESTING_LIFE)];
         let unconfirmed_since = [since(UNCONFIRMED_LIFE), since(COMING_LIFE)];
-        let mut index = 0;
-        while let Some(point) = self.kept.get(index) {
+        let is_old = |point: &Point| {
             // Chosen, not branched to: neighbours in the list are of every kind.
             let resting = (point.heard >= RESTING_HEARD)
                 & (odometer_m - point.odometer_m <= RESTING_WITHIN_M);
             let coming = (point.range_m < COMING_NEAR_M) & silent_since(point);
-            let confirmed_since = confirmed_since[usize::from(resting)];
-            let unconfirmed_since = unconfirmed_since[usize::from(coming)];
-            let kept_since = if point.confirmed { confirmed_since } else { unconfirmed_since };
-            if point.fired < kept_since {
-                self.remove(index);
-            } else {
-                index += 1;
-            }
+            let long = if point.confirmed { resting } else { coming };
+            let [usual, longer] = if point.confirmed { confirmed_since } else { unconfirmed_since };
+            point.fired < if long { longer } else { usual }
+        };
+        let mut index = 0;
+        while let Some(offset) = self.kept[index..].iter().position(is_old) {
+            index += offset;
+            self.remove(index);
         }
     }
 

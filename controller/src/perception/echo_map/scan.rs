@@ -23,8 +23,9 @@ pub(super) struct Scan {
     nearest: [u16; DIRECTIONS + 1],
     /// The points there are, in the order of their directions, metres, world frame and about the scan's
     /// place; and how many come before each direction.
-    seen: Vec<[f64; 2]>,
-    bumps: Vec<Bump>,
+    seen: [[f64; 2]; DIRECTIONS],
+    bumps: [Bump; DIRECTIONS],
+    count: usize,
     before: [u8; DIRECTIONS + 1],
     /// How many steps off a ray's direction even the nearest point of all is out of its way.
     window: usize,
@@ -40,8 +41,9 @@ impl Scan {
             about_m: [0.0; 2],
             nearest_m: [f64::INFINITY; DIRECTIONS + 1],
             nearest: [NONE; DIRECTIONS + 1],
-            seen: Vec::with_capacity(DIRECTIONS),
-            bumps: Vec::with_capacity(DIRECTIONS),
+            seen: [[0.0; 2]; DIRECTIONS],
+            bumps: [Bump { offset_m: [0.0; 2], radius_m2: 0.0 }; DIRECTIONS],
+            count: 0,
             before: [0; DIRECTIONS + 1],
             window: 0,
             least_sines: std::array::from_fn(least_sine),
@@ -76,14 +78,14 @@ impl Scan {
             count += usize::from(*index != NONE);
         }
         self.before[DIRECTIONS] = count as u8;
-        self.seen.clear();
-        self.bumps.clear();
+        self.count = count;
         let mut least_m = f64::INFINITY;
-        for direction in occupied[..count].iter().map(|direction| usize::from(*direction)) {
-            let drawn_m = self.nearest_m[direction];
-            let at_m = sightings.at_m(usize::from(self.nearest[direction]), drawn_m);
-            self.seen.push(at_m);
-            self.bumps.push(Bump::about(at_m, self.about_m, self.radius_m));
+        let seen = self.seen.iter_mut().zip(&mut self.bumps);
+        for (direction, (seen, bump)) in occupied[..count].iter().zip(seen) {
+            let drawn_m = self.nearest_m[usize::from(*direction)];
+            let index = usize::from(self.nearest[usize::from(*direction)]);
+            *seen = sightings.at_m(index, drawn_m);
+            *bump = Bump::about(*seen, self.about_m, self.radius_m);
             least_m = if drawn_m < least_m { drawn_m } else { least_m };
         }
         // A point at distance ρ, an angle α off a ray, is met only if ρ sin α is less than the radius.
@@ -99,7 +101,7 @@ impl Scan {
 
     /// The nearest points, metres, world frame, in the order of their directions.
     pub(super) fn points_m(&self) -> &[[f64; 2]] {
-        &self.seen
+        &self.seen[..self.count]
     }
 
     /// Free travel of the scan's disc from `from_m` along the unit vector `along`, see
@@ -130,7 +132,7 @@ impl Scan {
     fn about(&self, along: [f64; 2]) -> [&[Bump]; 2] {
         let ahead = direction(along[0], along[1]);
         if ahead == NOWHERE || self.window >= OPPOSITE {
-            return [&self.bumps, &[]];
+            return [&self.bumps[..self.count], &[]];
         }
         let within = |from: usize, to: usize| {
             &self.bumps[usize::from(self.before[from])..usize::from(self.before[to])]
@@ -174,7 +176,7 @@ mod tests {
 
     fn scan_of(points_m: &[[f64; 2]], about_m: [f64; 2], radius_m: f64) -> Scan {
         let mut sightings = Sightings::new();
-        let doubt = Doubt { stands_m: 0.0, moved_m: None };
+        let doubt = Doubt { stands_m: 0.0, moves: false, moved_m: 0.0 };
         sightings.take(&Points::at(points_m), about_m, |_| doubt);
         let mut scan = Scan::new(radius_m);
         scan.clear();

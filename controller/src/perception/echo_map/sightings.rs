@@ -61,15 +61,16 @@ impl Sightings {
         doubt: impl Fn(&Point) -> Doubt,
     ) {
         self.about_m = about_m;
-        self.nearer_m.clear();
-        self.moves.clear();
-        self.law_nearer_m.clear();
-        for point in points.as_slice() {
+        let count = points.as_slice().len();
+        self.nearer_m.resize(count, 0.0);
+        self.law_nearer_m.resize(count, 0.0);
+        self.moves.resize(count, false);
+        let columns = self.nearer_m.iter_mut().zip(&mut self.law_nearer_m).zip(&mut self.moves);
+        for (point, ((nearer_m, law_nearer_m), moves)) in points.as_slice().iter().zip(columns) {
             let doubt = doubt(point);
-            let of_law_m = if point.confirmed { doubt.stands_m } else { f64::NEG_INFINITY };
-            self.nearer_m.push(doubt.nearer_m());
-            self.moves.push(doubt.moved_m.is_some());
-            self.law_nearer_m.push(of_law_m);
+            *nearer_m = doubt.nearer_m();
+            *law_nearer_m = if point.confirmed { doubt.stands_m } else { f64::NEG_INFINITY };
+            *moves = doubt.moves;
         }
         let [x_m, y_m] = points.places_m();
         refill(&mut self.dx_m, x_m.iter().map(|x_m| x_m - about_m[0]));
@@ -153,8 +154,19 @@ pub(super) fn direction(x: f64, y: f64) -> usize {
     let steps = (start + if behind { -part } else { part }) * (DIRECTIONS / 4) as f64;
     // A quotient may round up to the next quadrant's start, and the last to a whole turn; no vector at all
     // has none.
-    let direction = (steps as i32 as usize).min(DIRECTIONS - 1);
-    if sum < f64::INFINITY { direction } else { NOWHERE }
+    let last = (DIRECTIONS - 1) as f64;
+    let within = if steps < last { steps } else { last };
+    let direction = if sum > 0.0 { within } else { 0.0 };
+    whole(if sum < f64::INFINITY { direction } else { NOWHERE as f64 }) as usize
+}
+
+/// The whole part of a number from 0 to 2³¹: as a conversion gives it, but several at once.
+fn whole(number: f64) -> u32 {
+    // Adding this rounds to a whole number and leaves that in the lowest bits.
+    const ROUNDING: f64 = 4_503_599_627_370_496.0;
+    let rounded = number + ROUNDING;
+    let up = rounded - ROUNDING > number;
+    (rounded.to_bits() as u32).wrapping_sub(u32::from(up))
 }
 
 #[cfg(test)]
@@ -179,6 +191,18 @@ mod tests {
         for (x, y) in [(f64::NAN, 1.0), (1.0, f64::NAN), (f64::INFINITY, 1.0), (f64::MAX, f64::MAX)]
         {
             assert_eq!(direction(x, y), NOWHERE);
+        }
+    }
+
+    #[test]
+    fn the_whole_part_is_that_of_a_conversion() {
+        let numbers = (0..10_000).map(|i| 0.0317 * f64::from(i));
+        let edges = (0..300).flat_map(|i| {
+            let edge = f64::from(i);
+            [edge, edge.next_up(), edge.next_down().max(0.0), edge + 0.5]
+        });
+        for number in numbers.chain(edges).chain([f64::from(i32::MAX) + 0.5]) {
+            assert_eq!(whole(number), number as u32, "{number}");
         }
     }
 
