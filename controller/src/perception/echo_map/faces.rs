@@ -160,21 +160,24 @@ impl Faces {
     }
 
     fn vote(&self, voters: &[[f32; 2]], votes: &mut Votes) {
-        // All places first: several are reckoned at once.
+        // All places first: many are reckoned at once.
         let mut places = [[0; HALF]; AT_ONCE];
         for (places, voter) in places.iter_mut().zip(voters) {
-            *places = self.places(*voter);
+            self.find(*voter, places);
         }
         for place in places[..voters.len()].as_flattened() {
             votes.0[*place as usize % Votes::PLACES] += 1;
         }
     }
 
-    /// Where a point's votes go: one per direction, or the opposite one.
-    fn places(&self, [x, y]: [f32; 2]) -> [u32; HALF] {
-        std::array::from_fn(|i| {
-            self.rows[i] + place_of(x * self.normals_x[i] + y * self.normals_y[i])
-        })
+    /// Finds where a point's votes go: one per direction, or the opposite one.
+    // Inlined into a loop over points it is reckoned for two of these at once, not for many directions.
+    #[inline(never)]
+    fn find(&self, [x, y]: [f32; 2], places: &mut [u32; HALF]) {
+        for (i, place) in places.iter_mut().enumerate() {
+            let distance = x * self.normals_x[i] + y * self.normals_y[i];
+            *place = self.rows[i] + place_of(distance);
+        }
     }
 
     /// The direction and the cell, together with its next, that carry most weight; `None` if even they
