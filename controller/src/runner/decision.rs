@@ -146,15 +146,23 @@ impl View<'_> {
                 *law == Law::Kinematic && d_m <= 0.0 && senses.law_ray_m(pose, along_rad) <= 0.0;
             return if pushing { [0.0, u[1]] } else { u };
         };
-        let ray_m = |angle_rad| senses.safety_ray_m(pose, angle_rad);
+        let ray_m = self.safety_rays(u, &shield);
         let shield = of_feedback(shield, senses, self.near);
         shield.project(u, pose.theta_rad, ray_m, self.near)
     }
 
+    /// The safety layer's rays, as far as they bear on the input `u`: where everything is so far away that
+    /// none of them does, they need not be traced.
+    fn safety_rays(&self, u: [f64; 2], shield: &Shield) -> impl Fn(f64) -> f64 {
+        let View { senses, pose, .. } = *self;
+        let far = shield.passes_rays(u, pose.theta_rad, senses.safety_least_m(pose));
+        move |angle_rad| if far { f64::INFINITY } else { senses.safety_ray_m(pose, angle_rad) }
+    }
+
     /// Whether the safety layer leaves an input as it is.
     pub(super) fn harmless(&self, u: [f64; 2], shield: &Shield) -> bool {
-        let View { senses, pose, .. } = self;
-        let ray_m = |angle_rad| senses.safety_ray_m(pose, angle_rad);
+        let ray_m = self.safety_rays(u, shield);
+        let View { pose, .. } = self;
         shield.allows(u, pose.theta_rad, ray_m, self.near)
     }
 }

@@ -177,6 +177,15 @@ impl Senses {
         }
     }
 
+    /// A bound on the safety layer's rays from `from`, metres: none is shorter; −∞ where that is not known
+    /// beforehand.
+    pub(super) fn safety_least_m(&self, from: &Pose) -> f64 {
+        match self {
+            Senses::Exact(_) => f64::NEG_INFINITY,
+            Senses::Sonar(sonar) => sonar.map.safety_least_m(from),
+        }
+    }
+
     /// What [`Senses::gather`] can be asked to fill.
     pub(super) fn room_for_near(scenario: &Scenario, suite: SensorSuite) -> Near {
         let footprint = scenario.robot.footprint;

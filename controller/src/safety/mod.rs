@@ -90,6 +90,22 @@ impl Shield {
         }
     }
 
+    /// Whether rays leave `u` as it is if none of them is shorter than `least_m`: longer ones never take more
+    /// away.
+    pub fn passes_rays(&self, u: [f64; 2], heading_rad: f64, least_m: f64) -> bool {
+        // What is no number has no direction, which counts as unknown.
+        u.iter().all(|component| component.is_finite())
+            && match self {
+                Shield::Swept(_) => true,
+                Shield::Velocity(cone) | Shield::VelocitySwept(cone, _) => {
+                    cone.project(u, heading_rad, |_| least_m) == u
+                }
+                Shield::Acceleration(braking) | Shield::AccelerationSwept(braking, _) => {
+                    braking.project(u, heading_rad, |_| least_m) == u
+                }
+            }
+    }
+
     /// The same, but where the body is swept it turns no faster than `most_radps`.
     #[must_use]
     pub fn turning_at_most(mut self, most_radps: f64) -> Shield {

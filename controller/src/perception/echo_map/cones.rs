@@ -105,6 +105,11 @@ impl Cones {
         self.all_fresh = self.cones.iter().all(|cone| cone.fresh);
     }
 
+    /// Whether all readings count: then every direction is known.
+    pub(super) fn all_fresh(&self) -> bool {
+        self.all_fresh
+    }
+
     pub(super) fn heard_all(&self) -> bool {
         self.cones.iter().all(|cone| cone.heard)
     }

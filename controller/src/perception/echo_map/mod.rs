@@ -43,7 +43,7 @@ use self::faces::Faces;
 use self::gaps::Gaps;
 pub use self::limit::LimitingEcho;
 use self::points::{PlacedEcho, Points};
-use self::ray::{Lane, Ray};
+use self::ray::{Lane, Ray, least_free_m};
 use self::scan::Scan;
 use self::sightings::{Sightings, drawn_nearer_m};
 use crate::digest::Digest;
@@ -170,6 +170,21 @@ impl EchoMap {
         } else {
             0.0
         }
+    }
+
+    /// A bound on the safety layer's rays from `from`, metres: whatever the direction, none is shorter. −∞ where
+    /// one may be unknown.
+    pub(crate) fn safety_least_m(&self, from: &Pose) -> f64 {
+        let from_m = from.position_m();
+        if !self.cones.all_fresh() || !from.is_finite() || from_m != self.safety.about_m() {
+            return f64::NEG_INFINITY;
+        }
+        let away_m2 = |[x_m, y_m]: &[f64; 2]| {
+            let [dx, dy] = [x_m - from_m[0], y_m - from_m[1]];
+            dx * dx + dy * dy
+        };
+        let in_gaps_m2 = self.safety_gaps.iter().map(away_m2).fold(f64::INFINITY, f64::min);
+        least_free_m(self.settings.inflation_m, self.safety.least_m().min(in_gaps_m2.sqrt()))
     }
 
     /// The points that the law's rays meet, metres, world frame: the nearest per direction about the

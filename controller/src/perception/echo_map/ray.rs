@@ -65,6 +65,16 @@ impl Bump {
     }
 }
 
+/// A bound on the free travel of a disc of `radius_m`, metres, in whichever direction: with the nearest point
+/// `nearest_m` away none is shorter.
+pub(super) fn least_free_m(radius_m: f64, nearest_m: f64) -> f64 {
+    // Slack for rounding.
+    const HAIR_M: f64 = 1e-9;
+    // Farther points have wider discs, but do not come nearer by that.
+    let least_m = nearest_m * (1.0 - LEAST_RADIUS_SHARE);
+    least_m.min(nearest_m - radius_m) - HAIR_M
+}
+
 /// The larger of two numbers; the second where the first is none.
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
@@ -157,6 +167,22 @@ mod tests {
         assert_eq!(free_m([2.0, -0.26]), f64::INFINITY);
         assert!((free_m([0.6, 0.1]) + 0.15).abs() < 1e-15);
         assert_eq!(free_m([0.4, 0.1]), f64::INFINITY);
+    }
+
+    /// With a point 0.5 m away a disc of 0.354 m is free for 0.146 m at least, and a point robot, about which a
+    /// disc of 4.5 % counts, for 0.4775 m; towards it, not for more.
+    #[test]
+    fn no_ray_is_shorter_than_the_least() {
+        for (radius_m, free_m) in [(0.354, 0.146), (0.0, 0.4775)] {
+            let least_m = least_free_m(radius_m, 0.5);
+            assert!((least_m - free_m).abs() < 1e-8);
+            for deg in 0..360 {
+                let along = unit(f64::from(deg).to_radians());
+                assert!(Ray { from_m: [0.0; 2], along, radius_m }.free_m(&[[0.5, 0.0]]) >= least_m);
+            }
+        }
+        assert!(least_free_m(0.354, 0.2) < 0.0);
+        assert_eq!(least_free_m(0.354, f64::INFINITY), f64::INFINITY);
     }
 
     /// A point robot does not slip between points 5° apart.

@@ -27,6 +27,8 @@ pub(super) struct Scan {
     bumps: [Bump; DIRECTIONS],
     count: usize,
     before: [u8; DIRECTIONS + 1],
+    /// How far away the nearest point of all is, metres; +∞ without any.
+    least_m: f64,
     /// How many steps off a ray's direction even the nearest point of all is out of its way.
     window: usize,
     /// For so many steps between a ray and a point, the least sine of the angle between them.
@@ -45,6 +47,7 @@ impl Scan {
             bumps: [Bump { offset_m: [0.0; 2], radius_m2: 0.0 }; DIRECTIONS],
             count: 0,
             before: [0; DIRECTIONS + 1],
+            least_m: f64::INFINITY,
             window: 0,
             least_sines: std::array::from_fn(least_sine),
         }
@@ -88,6 +91,7 @@ impl Scan {
             *bump = Bump::about(*seen, self.about_m, self.radius_m);
             least_m = if drawn_m < least_m { drawn_m } else { least_m };
         }
+        self.least_m = least_m;
         // A point at distance ρ, an angle α off a ray, is met only if ρ sin α is less than the radius.
         let met =
             |sine: &&f64| **sine <= LEAST_RADIUS_SHARE || least_m * **sine * SLACK < self.radius_m;
@@ -97,6 +101,11 @@ impl Scan {
     /// The place that it is about, metres.
     pub(super) fn about_m(&self) -> [f64; 2] {
         self.about_m
+    }
+
+    /// How far away the nearest point is, metres; +∞ without any.
+    pub(super) fn least_m(&self) -> f64 {
+        self.least_m
     }
 
     /// The nearest points, metres, world frame, in the order of their directions.
