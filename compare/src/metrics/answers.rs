@@ -76,4 +76,19 @@ mod tests {
         }
         assert_eq!(answers.of([1.0, f64::NAN], || 10), 10);
     }
+
+    /// Who is asked for two things more than there is room for has forgotten the first two, and no other.
+    #[test]
+    fn the_oldest_answers_go_first() {
+        let answers = Answers::default();
+        for i in 0..KEPT + 2 {
+            answers.of([i as f64], || i);
+        }
+        for i in 2..KEPT + 2 {
+            assert_eq!(answers.of([i as f64], || unreachable!("answered")), i);
+        }
+        assert_eq!([0.0, 1.0].map(|i| answers.of([i], || 100)), [100, 100]);
+        assert_eq!(answers.of([4.0], || unreachable!("answered")), 4);
+        assert_eq!(answers.newest.lock().expect("no thread panicked").kept.len(), KEPT);
+    }
 }

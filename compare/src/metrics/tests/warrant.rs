@@ -4,8 +4,8 @@
 //! the wall. Velocities take effect at once, so a request at v is safe with more than v · 1 s ahead.
 
 use super::close;
-use crate::metrics::CATALOGUE;
-use crate::synthetic::{Run, scenario};
+use crate::metrics::{CATALOGUE, Meter};
+use crate::synthetic::{Run, block, scenario};
 use schemas::MovingDisc;
 
 /// One step for each (gap ahead, requested v, executed v), 0.1 s apart, so that each is judged.
@@ -241,4 +241,32 @@ fn the_stopping_margin_takes_off_reaction_and_braking() {
     let mut run = Run::of(slow);
     add(&mut run, &[(0.5, 0.4, 0.4)]);
     close(run.metric("stop_margin_m"), 0.5 - 0.4 * 0.2 - 0.16);
+}
+
+/// Meters beside each other share what they work out about one world, and nothing about two: another world,
+/// body or plant is measured as it is alone.
+#[test]
+fn what_is_known_of_one_world_is_not_taken_for_another() {
+    let steps = [(0.6, 0.5, 0.5), (0.6, 0.5, 0.5), (0.3, 0.5, 0.0)];
+    let first = gaps(&steps);
+    let numbers = |run: &Run, meter: Option<Meter>| {
+        let mut meter = meter.unwrap_or_else(|| Meter::new(&run.header));
+        run.events.iter().for_each(|event| meter.observe(event));
+        let metrics = meter.finish().expect("the run has a step").metrics;
+        ["unwarranted", "min_ttc_s", "necessary"].map(|name| metrics.get(name))
+    };
+    let [mut world, mut body, mut plant] = [(); 3].map(|()| scenario());
+    world.world.obstacles = vec![block(3.6, 1.0)];
+    body.robot.footprint.length_m = 0.9;
+    (plant.plant.limits_acceleration, plant.plant.accel_max_mps2) = (true, 0.2);
+    for other in [scenario(), world, body, plant] {
+        let same = other == scenario();
+        let mut second = Run::of(other);
+        second.events.clone_from(&first.events);
+        let mut meter = Meter::new(&first.header);
+        first.events.iter().for_each(|event| meter.observe(event));
+        let beside = numbers(&second, Some(meter.beside(&second.header)));
+        assert_eq!(beside, numbers(&second, None));
+        assert_eq!(beside == numbers(&first, None), same);
+    }
 }
