@@ -33,16 +33,22 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         minutes = (10, 60)
         logs = {m: os.path.join(folder, f"{m}.mcap") for m in minutes}
-        session = ["--scenario", "random:rect:joystick:7", "--seed", "11", "--no-view", "--quiet"]
+        # Of someone who reacts: for a scripted joystick every level but `path` is playback.
+        session = ["--scenario", "random:rect:flowing:7", "--seed", "11", "--no-view", "--quiet"]
         works = {
             "recording a simulation": lambda m: [
                 "record", *session, "--duration", str(60 * m), "-o", logs[m]
             ]
         }
-        for mode in ("open", "closed"):
-            works[f"{mode}-loop replay"] = lambda m, mode=mode: [
-                "replay", "--quiet", "--format", "json", "--threads", "1", "--mode", mode, logs[m]
+        replay = ["replay", "--quiet", "--format", "json", "--threads", "1", "--mode"]
+        works["open-loop replay"] = lambda m: [*replay, "open", logs[m]]
+        # With another controller, so that the levels part from the recording.
+        closed = [*replay, "closed", "--controller", "paper-kinematic", "--human"]
+        for level in ("playback", "path", "intent", "fitted", "ladder"):
+            works[f"closed-loop replay, `{level}`"] = lambda m, level=level: [
+                *closed, level, logs[m]
             ]
+        works["closed-loop replay, recording controller"] = lambda m: [*replay, "closed", logs[m]]
         for name, arguments in works.items():
             short, long = (peak_mib(*arguments(m)) for m in minutes)
             print(f"| {name} | {short:.1f} | {long:.1f} | {long / short:.2f} |")

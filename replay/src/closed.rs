@@ -187,7 +187,9 @@ impl<R: Read> ClosedLoop<R> {
         self.watch.horizon()
     }
 
-    pub(crate) fn finish(self) -> Result<Outcome, ReplayError> {
+    pub(crate) fn finish(mut self) -> Result<Outcome, ReplayError> {
+        // A person of whom something is missing is not the recorded one.
+        self.tally.damage = self.tally.damage.or_else(|| self.watch.recording().unreadable());
         let alone = matches!(self.beside, Beside::Until(..));
         let mut outcome = self.tally.finish()?;
         // Without the log beside there is nothing to judge the way by.

@@ -6,7 +6,7 @@ use schemas::{Cell, Event, Pose, Sample, SonarScan, Stamped, Time, Truth};
 use simulator::JOYSTICK_PERIOD;
 
 use crate::human::{Fit, Fitted, Gains, state_distance};
-use crate::recording::Recording;
+use crate::recording::{Look, Recording};
 
 /// State distance at which the recorded person no longer saw what they would see now: half a metre,
 /// or one radian.
@@ -52,6 +52,7 @@ impl Horizon {
 /// Watches a closed-loop replay beside its recording.
 pub(crate) struct Watch {
     recording: Arc<Recording>,
+    look: Look,
     start: Time,
     fitted: Fitted,
     band: [f64; 2],
@@ -71,6 +72,7 @@ impl Watch {
             start: recording.header().run.start,
             fitted: Fitted::new(fit),
             band: [0, 1].map(|axis| HUMAN_BOUND * residual[axis].max(LEAST_RESIDUAL[axis])),
+            look: recording.look(),
             recording,
             pose: None,
             window: Vec::with_capacity(WINDOW),
@@ -86,6 +88,11 @@ impl Watch {
             Event::Sample(Sample::Sonar(scan)) => self.sonar(scan),
             _ => {}
         }
+    }
+
+    /// What it is watched beside.
+    pub(crate) fn recording(&self) -> &Recording {
+        &self.recording
     }
 
     /// The horizon so far.
@@ -111,8 +118,9 @@ impl Watch {
         if explored.is_some_and(|map| map.at(truth.pose.position_m()) == Cell::Unknown) {
             self.horizon.sensor_s.get_or_insert(t_s);
         }
-        let both = self.fitted.both(tick as usize, &truth.pose);
-        let Some(moment) = self.recording.moment(tick) else { return };
+        let tick = usize::try_from(tick).unwrap_or(usize::MAX);
+        let both = self.fitted.both(tick, &truth.pose);
+        let Some(moment) = self.look.at(tick) else { return };
         if let Some(state) = &moment.state {
             let distance = state_distance(&truth.pose, &state.pose);
             if distance > self.furthest {

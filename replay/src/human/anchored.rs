@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use simulator::{Human, HumanView, Request};
 
-use crate::recording::{Recording, State};
+use crate::recording::{Look, Recording, State};
 
 /// A reaction to a state that differs from the recorded one.
 pub(crate) trait Model {
@@ -20,23 +20,25 @@ pub(crate) trait Model {
 /// bit, so is the joystick. Where the recording has no sample, there is none here either.
 pub(crate) struct Anchored<M> {
     recording: Arc<Recording>,
+    look: Look,
     model: M,
 }
 
 impl<M> Anchored<M> {
     pub(crate) fn new(recording: Arc<Recording>, model: M) -> Anchored<M> {
-        Anchored { recording, model }
+        Anchored { look: recording.look(), recording, model }
     }
 }
 
 impl<M: Model> Human for Anchored<M> {
     fn joystick(&mut self, view: &HumanView) -> Option<Request> {
-        let moment = self.recording.moment(view.index)?;
+        let tick = usize::try_from(view.index).ok()?;
+        let moment = self.look.at(tick)?;
         let now = State { pose: view.pose, v_mps: view.v_mps, omega_radps: view.omega_radps };
         let recorded = moment.request?;
         let Some(then) = moment.state else { return Some(recorded) };
         let asked = [recorded.v_mps, recorded.omega_radps];
-        let [v_mps, omega_radps] = self.model.ask(view.index as usize, &now, &then, asked);
+        let [v_mps, omega_radps] = self.model.ask(tick, &now, &then, asked);
         let usable = v_mps.is_finite() && omega_radps.is_finite();
         // A hand that was off the stick, or off its button, is not put there.
         if now == then || !usable || !recorded.dead_man {

@@ -1,14 +1,14 @@
 //! A person fitted to the log, with the recorded residual: abduction, action, prediction.
 
 use std::collections::VecDeque;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use schemas::{Pose, wrap};
 
 use super::anchored::Model;
-use super::bearing::{Gains, ask};
+use super::bearing::{Gains, Habits, ask};
 use super::goals::{Explained, GRID_M, delay_ticks, explain};
-use crate::recording::{Recording, State};
+use crate::recording::{Look, Recording, State};
 
 /// State distances that count as one: metres and radians.
 const SCALE: (f64, f64) = (0.5, 1.0);
@@ -23,9 +23,13 @@ pub(crate) fn state_distance(a: &Pose, b: &Pose) -> f64 {
     libm::sqrt(dx * dx + dy * dy + turned * turned)
 }
 
-/// A recording's person explained, once for each gains: every arm and level of a comparison asks.
+/// What is found out about a recording's person, once: every arm and level of a comparison asks.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Explanations(Arc<Mutex<Known>>);
+pub(crate) struct Explanations {
+    known: Arc<Mutex<Known>>,
+    habits: Arc<OnceLock<Habits>>,
+    constant_share: Arc<OnceLock<f64>>,
+}
 
 type Known = Vec<(Gains, Arc<Explained>)>;
 
@@ -33,8 +37,18 @@ impl Explanations {
     /// Gains whose explanations are kept: the prior's and the pooled ones.
     const KEPT: usize = 2;
 
+    /// What the person usually asks for.
+    pub(super) fn habits(&self, find: impl FnOnce() -> Habits) -> Habits {
+        *self.habits.get_or_init(find)
+    }
+
+    /// Share of the time in which the joystick was held still.
+    pub(super) fn constant_share(&self, find: impl FnOnce() -> f64) -> f64 {
+        *self.constant_share.get_or_init(find)
+    }
+
     fn of(&self, gains: Gains, explain: impl FnOnce() -> Explained) -> Arc<Explained> {
-        let known = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, explained)) = known().iter().find(|(of, _)| *of == gains) {
             return Arc::clone(explained);
         }
@@ -49,7 +63,7 @@ impl Explanations {
 /// The law with a person's goals, gains and habits.
 #[derive(Clone, Debug)]
 pub(crate) struct Fit {
-    recording: Arc<Recording>,
+    look: Look,
     explained: Arc<Explained>,
     gains: Gains,
 }
@@ -58,7 +72,7 @@ impl Fit {
     pub(crate) fn new(recording: &Arc<Recording>, gains: Gains) -> Fit {
         let explained =
             recording.explanations().of(gains, || explain(recording, &gains, GRID_M, usize::MAX));
-        Fit { recording: Arc::clone(recording), explained, gains }
+        Fit { look: recording.look(), explained, gains }
     }
 
     /// What the law leaves unexplained on the recorded states, [m/s, rad/s].
@@ -73,9 +87,9 @@ impl Fit {
     }
 
     /// What the law asked for at a tick of the recording.
-    fn recorded(&self, tick: usize) -> Option<[f64; 2]> {
+    fn recorded(&mut self, tick: usize) -> Option<[f64; 2]> {
         let seen = tick.saturating_sub(delay_ticks(self.gains.delay_s));
-        let state = self.recording.moments().get(seen)?.state?;
+        let state = self.look.at(seen)?.state?;
         Some(self.ask(tick, &state.pose))
     }
 }

@@ -9,7 +9,9 @@
 use schemas::{Footprint, Pose, Scenario};
 
 use super::bearing::{Gains, Goal, Habits, ask, ask_both};
-use crate::recording::{Moment, Recording, State};
+use super::rank::ranked;
+use super::ways::{Stretch, Ways};
+use crate::recording::{Moment, Recording};
 
 /// Ticks of the joystick in a block.
 pub(super) const BLOCK: usize = 5;
@@ -33,8 +35,8 @@ const SWITCH: f64 = 12.0;
 #[derive(Clone, Debug)]
 pub(super) struct Explained {
     pub(super) habits: Habits,
-    /// The goal of each block.
-    pub(super) goals: Vec<Goal>,
+    /// The goals one after the other, each with the block from which on it holds.
+    pub(super) goals: Vec<(usize, Goal)>,
     /// What the explanation costs.
     pub(super) cost: f64,
     /// Root mean square of what it leaves unexplained, [m/s, rad/s].
@@ -44,7 +46,8 @@ pub(super) struct Explained {
 impl Explained {
     /// The goal at a tick.
     pub(super) fn goal(&self, tick: usize) -> Goal {
-        self.goals.get(tick / BLOCK).or(self.goals.last()).copied().unwrap_or(Goal::Rest)
+        let begun = self.goals.partition_point(|(from, _)| *from <= tick / BLOCK);
+        begun.checked_sub(1).map_or(Goal::Rest, |last| self.goals[last].1)
     }
 }
 
@@ -55,50 +58,59 @@ pub(super) fn explain(
     grid_m: f64,
     most_blocks: usize,
 ) -> Explained {
-    let habits = habits(recording.moments());
+    let habits = habits(recording);
     let candidates = candidates(recording, grid_m);
-    let mut blocks = blocks(recording, gains.delay_s);
-    blocks.truncate(most_blocks);
-    let (path, cost) = cheapest(&candidates, &blocks, gains, &habits);
-    let goals: Vec<Goal> = path.into_iter().map(|index| candidates[index]).collect();
+    let blocks = || blocks(recording, gains.delay_s).take(most_blocks);
+    let (stretches, cost) = cheapest(&candidates, blocks(), gains, &habits);
+    let goals: Vec<(usize, Goal)> = stretches
+        .into_iter()
+        .map(|stretch| (stretch.from, candidates[stretch.candidate]))
+        .collect();
+    let mut explained = Explained { habits, goals, cost, residual: [0.0; 2] };
     let mut squares = [0.0; 2];
     let mut count = 0_u32;
-    for (block, goal) in blocks.iter().zip(&goals) {
+    for (number, block) in blocks().enumerate() {
         let Some(block) = block else { continue };
-        let model = ask(gains, &habits, goal, &block.pose, block.t_s);
+        let goal = explained.goal(number * BLOCK);
+        let model = ask(gains, &habits, &goal, &block.pose, block.t_s);
         for axis in 0..2 {
             let off = block.asked[axis] - model[axis];
             squares[axis] += off * off;
         }
         count += 1;
     }
-    let residual = squares.map(|sum| libm::sqrt(sum / f64::from(count.max(1))));
-    Explained { habits, goals, cost, residual }
+    explained.residual = squares.map(|sum| libm::sqrt(sum / f64::from(count.max(1))));
+    explained
 }
 
-/// What a person usually asks for.
-pub(super) fn habits(moments: &[Moment]) -> Habits {
-    let asked = |of: &dyn Fn(f64, f64) -> Option<f64>| {
-        let mut values: Vec<f64> = moments
-            .iter()
-            .filter_map(|moment| moment.request)
-            .filter_map(|request| of(request.v_mps, request.omega_radps))
-            .filter(|value| value.is_finite())
-            .collect();
-        values.sort_by(f64::total_cmp);
-        values
+/// What the person of a recording usually asks for.
+pub(super) fn habits(recording: &Recording) -> Habits {
+    recording.explanations().habits(|| usual(recording))
+}
+
+/// Shares of what they ask for, each in its order: speed forwards, backwards, and turn rate.
+fn usual(recording: &Recording) -> Habits {
+    const SHARES: [f64; 3] = [0.7, 0.6, 0.98];
+    let asked = |see: &mut dyn FnMut(usize, f64)| {
+        for request in recording.look().all().filter_map(|moment| moment.request) {
+            let v_mps = request.v_mps;
+            for (which, value, counts) in [
+                (0, v_mps, v_mps > 0.03),
+                (1, -v_mps, v_mps < -0.03),
+                (2, request.omega_radps.abs(), true),
+            ] {
+                if counts && value.is_finite() {
+                    see(which, value);
+                }
+            }
+        }
     };
-    let share = |values: &[f64], share: f64, otherwise: f64| {
-        values.get((values.len() as f64 * share) as usize).copied().unwrap_or(otherwise)
-    };
-    let forward = asked(&|v, _| (v > 0.03).then_some(v));
-    let backward = asked(&|v, _| (v < -0.03).then_some(-v));
-    let turns = asked(&|_, omega| Some(omega.abs()));
-    let forward_mps = share(&forward, 0.7, 0.3);
+    let rank = |which: usize, count: usize| (count as f64 * SHARES[which]) as usize;
+    let [forward, backward, turns] = ranked(asked, rank);
     Habits {
-        forward_mps,
-        backward_mps: share(&backward, 0.6, 0.2),
-        turn_radps: share(&turns, 0.98, 1.0).max(0.3),
+        forward_mps: forward.unwrap_or(0.3),
+        backward_mps: backward.unwrap_or(0.2),
+        turn_radps: turns.unwrap_or(1.0).max(0.3),
         slow_m: 0.5,
     }
 }
@@ -109,19 +121,23 @@ fn candidates(recording: &Recording, grid_m: f64) -> Vec<Goal> {
     let scenario = &recording.header().scenario;
     let mut goals = vec![Goal::Rest];
     goals.extend(scenario.task.map(Goal::Follow));
-    let points = points(scenario, recording.moments(), grid_m);
+    let points = points(scenario, recording.look().all(), grid_m);
     goals.extend(points.iter().map(|at_m| Goal::At(*at_m)));
     goals.extend(points.iter().map(|at_m| Goal::BackTo(*at_m)));
     goals
 }
 
 /// Free points on a grid about everywhere that the robot was.
-fn points(scenario: &Scenario, moments: &[Moment], grid_m: f64) -> Vec<[f64; 2]> {
+fn points(
+    scenario: &Scenario,
+    moments: impl Iterator<Item = Moment>,
+    grid_m: f64,
+) -> Vec<[f64; 2]> {
     // What lies beyond a person's reach in a few seconds differs in its bearing alone.
     const MARGIN_M: f64 = 3.0;
     let mut low = scenario.start.pose.position_m();
     let mut high = low;
-    for state in moments.iter().filter_map(|moment| moment.state) {
+    for state in moments.filter_map(|moment| moment.state) {
         for (axis, at) in state.pose.position_m().into_iter().enumerate() {
             low[axis] = low[axis].min(at);
             high[axis] = high[axis].max(at);
@@ -161,31 +177,29 @@ struct Block {
 }
 
 /// The blocks of a recording; `None` where something is missing.
-fn blocks(recording: &Recording, delay_s: f64) -> Vec<Option<Block>> {
-    let moments = recording.moments();
+fn blocks(recording: &Recording, delay_s: f64) -> impl Iterator<Item = Option<Block>> {
+    let mut look = recording.look();
     let back = delay_ticks(delay_s);
-    (0..moments.len().div_ceil(BLOCK))
-        .map(|block| {
-            let first = block * BLOCK;
-            let ticks = first..(first + BLOCK).min(moments.len());
-            let mut asked = [0.0; 2];
-            let mut count = 0.0;
-            for request in moments[ticks.clone()].iter().filter_map(|moment| moment.request) {
-                if request.v_mps.is_finite() && request.omega_radps.is_finite() {
-                    asked[0] += request.v_mps;
-                    asked[1] += request.omega_radps;
-                    count += 1.0;
-                }
+    (0..look.len().div_ceil(BLOCK)).map(move |block| {
+        let first = block * BLOCK;
+        let ticks = first..(first + BLOCK).min(look.len());
+        let mut asked = [0.0; 2];
+        let mut count = 0.0;
+        for request in ticks.clone().filter_map(|tick| look.at(tick)?.request) {
+            if request.v_mps.is_finite() && request.omega_radps.is_finite() {
+                asked[0] += request.v_mps;
+                asked[1] += request.omega_radps;
+                count += 1.0;
             }
-            let middle = usize::midpoint(ticks.start, ticks.end);
-            let state: State = moments[middle.saturating_sub(back)].state?;
-            (count > 0.0).then(|| Block {
-                pose: state.pose,
-                t_s: Recording::tick_s(middle),
-                asked: asked.map(|sum| sum / count),
-            })
+        }
+        let middle = usize::midpoint(ticks.start, ticks.end);
+        let state = look.at(middle.saturating_sub(back))?.state?;
+        (count > 0.0).then(|| Block {
+            pose: state.pose,
+            t_s: Recording::tick_s(middle),
+            asked: asked.map(|sum| sum / count),
         })
-        .collect()
+    })
 }
 
 /// A reaction time in ticks.
@@ -196,43 +210,34 @@ pub(super) fn delay_ticks(delay_s: f64) -> usize {
 /// The cheapest sequence of candidates, and its cost.
 fn cheapest(
     candidates: &[Goal],
-    blocks: &[Option<Block>],
+    blocks: impl Iterator<Item = Option<Block>>,
     gains: &Gains,
     habits: &Habits,
-) -> (Vec<usize>, f64) {
-    let words = candidates.len().div_ceil(64);
-    // Whether a candidate's cheapest way into a block is a change; from which one is the same for all.
-    let mut changed: Vec<u64> = Vec::with_capacity(words * blocks.len());
-    let mut from = Vec::with_capacity(blocks.len());
+) -> (Vec<Stretch>, f64) {
+    let mut ways = Ways::new(candidates.len());
     let mut costs = vec![0.0; candidates.len()];
     let mut surprises = vec![0.0; candidates.len()];
-    for block in blocks {
-        if let Some(block) = block {
+    let mut any = false;
+    for (number, block) in blocks.enumerate() {
+        any = true;
+        if let Some(block) = &block {
             surprise_all(candidates, block, gains, habits, &mut surprises);
         }
+        // Where a candidate's cheapest way into a block is a change, it comes from the same for all.
         let (best, least) = least(&costs);
-        from.push(best);
-        let row = changed.len();
-        changed.resize(row + words, 0);
+        let mut changes = ways.changes(best, number);
         for (index, cost) in costs.iter_mut().enumerate() {
             if least + SWITCH < *cost {
                 *cost = least + SWITCH;
-                changed[row + index / 64] |= 1 << (index % 64);
+                changes.to(index);
             }
             if block.is_some() {
                 *cost += surprises[index];
             }
         }
     }
-    let (mut index, cost) = least(&costs);
-    let mut path = vec![0; blocks.len()];
-    for block in (0..blocks.len()).rev() {
-        path[block] = index;
-        if changed[block * words + index / 64] >> (index % 64) & 1 == 1 {
-            index = from[block];
-        }
-    }
-    (path, cost)
+    let (best, cost) = least(&costs);
+    (if any { ways.to(best) } else { Vec::new() }, cost)
 }
 
 /// What each candidate costs in a block.

@@ -21,8 +21,10 @@ mod gains;
 mod goals;
 mod path;
 mod playback;
+mod rank;
 mod reaction;
 mod target;
+mod ways;
 
 use std::sync::Arc;
 
@@ -88,10 +90,10 @@ impl Person {
         let blind = self.is_estimate() && Reaction::of(recording).is_blind();
         match if blind { Person::Playback } else { self } {
             Person::Playback => Box::new(Anchored::new(shared(), Playback)),
-            Person::Path => Box::new(Path::new(shared())),
+            Person::Path => Box::new(Path::new(recording)),
             Person::Intent => match recording.header().scenario.task {
                 Some(task) => {
-                    let habits = goals::habits(recording.moments());
+                    let habits = goals::habits(recording);
                     let follower = Follower::new(task, Gains::PRIOR, habits);
                     Box::new(Anchored::new(shared(), follower))
                 }

@@ -1,62 +1,80 @@
 //! The recorded joystick as a function of the distance travelled.
 
-use std::sync::Arc;
-
 use simulator::{Human, HumanView, Request};
 
-use crate::recording::Recording;
+use crate::recording::{Look, Recording};
 
 /// Asks for what was recorded where the robot had come as far as it has now. A stretch in which the
 /// recorded robot stood still takes its recorded time. A robot that is held up where the recorded
 /// one drove hears the same for ever: a person who never gives in.
 pub(crate) struct Path {
-    recording: Arc<Recording>,
-    /// Metres travelled until each tick of the recording.
-    travelled_m: Vec<f64>,
-    /// The tick that is being played; `None` before the first.
-    playing: Option<usize>,
+    /// The recording, as far as it is being played; `None` before the first tick.
+    playing: Option<Travel>,
+    look: Look,
     /// Metres travelled by the simulated robot.
     driven_m: f64,
     last_m: Option<[f64; 2]>,
 }
 
 impl Path {
-    pub(crate) fn new(recording: Arc<Recording>) -> Path {
-        let mut last_m = None;
-        let mut driven_m = 0.0;
-        let travelled_m = recording
-            .moments()
-            .iter()
-            .map(|moment| {
-                if let Some(state) = moment.state {
-                    driven_m += leg(&mut last_m, state.pose.position_m());
-                }
-                driven_m
-            })
-            .collect();
-        Path { recording, travelled_m, playing: None, driven_m: 0.0, last_m: None }
+    pub(crate) fn new(recording: &Recording) -> Path {
+        Path { playing: None, look: recording.look(), driven_m: 0.0, last_m: None }
     }
 
     /// Moves on as far as the robot has come.
     fn advance(&mut self) {
-        let mut playing = match self.playing {
-            None => 0,
-            Some(playing) if playing + 1 < self.travelled_m.len() => {
-                if self.travelled_m[playing + 1] > self.driven_m {
+        let travel = match &mut self.playing {
+            None => self.playing.insert(Travel::new(&mut self.look)),
+            Some(travel) => {
+                if travel.next_m.is_some_and(|next_m| next_m > self.driven_m) {
                     return;
                 }
-                playing + 1
+                travel.go_on(&mut self.look);
+                travel
             }
-            Some(playing) => playing,
         };
         // Catch up, but not over a rest.
-        while playing + 1 < self.travelled_m.len()
-            && self.travelled_m[playing + 1] <= self.driven_m
-            && self.travelled_m[playing + 1] > self.travelled_m[playing]
+        while travel
+            .next_m
+            .is_some_and(|next_m| next_m <= self.driven_m && next_m > travel.travelled_m)
         {
-            playing += 1;
+            travel.go_on(&mut self.look);
         }
-        self.playing = Some(playing);
+    }
+}
+
+/// How far the recorded robot had come.
+struct Travel {
+    tick: usize,
+    /// Metres travelled until that tick.
+    travelled_m: f64,
+    /// Metres travelled until the next; `None` at the last.
+    next_m: Option<f64>,
+    last_m: Option<[f64; 2]>,
+}
+
+impl Travel {
+    /// At the first tick.
+    fn new(look: &mut Look) -> Travel {
+        let mut travel = Travel { tick: 0, travelled_m: 0.0, next_m: None, last_m: None };
+        travel.travelled_m = travel.until(look, 0).unwrap_or(0.0);
+        travel.next_m = travel.until(look, 1);
+        travel
+    }
+
+    /// Metres travelled until a tick, the one after that which is known; `None` after the last.
+    fn until(&mut self, look: &mut Look, tick: usize) -> Option<f64> {
+        let state = look.at(tick)?.state;
+        let way_m = state.map_or(0.0, |state| leg(&mut self.last_m, state.pose.position_m()));
+        Some(self.travelled_m + way_m)
+    }
+
+    /// Moves on by a tick, if there is one.
+    fn go_on(&mut self, look: &mut Look) {
+        if let Some(next_m) = self.next_m {
+            (self.tick, self.travelled_m) = (self.tick + 1, next_m);
+            self.next_m = self.until(look, self.tick + 1);
+        }
     }
 }
 
@@ -69,12 +87,14 @@ fn leg(last_m: &mut Option<[f64; 2]>, at_m: [f64; 2]) -> f64 {
 impl Human for Path {
     fn joystick(&mut self, view: &HumanView) -> Option<Request> {
         // The recording's end is the person's end, wherever the robot has come to.
-        self.recording.moment(view.index)?;
+        if view.index >= self.look.len() as u64 {
+            return None;
+        }
         let way_m = leg(&mut self.last_m, view.pose.position_m());
         if way_m.is_finite() {
             self.driven_m += way_m;
         }
         self.advance();
-        self.recording.moments().get(self.playing?)?.request
+        self.look.at(self.playing.as_ref()?.tick)?.request
     }
 }

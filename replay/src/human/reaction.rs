@@ -1,5 +1,6 @@
 //! Whether a recorded person reacted to anything.
 
+use super::rank::ranked;
 use crate::recording::Recording;
 
 /// Blocks of a tenth of a second that a stroke needs to be one.
@@ -30,7 +31,9 @@ impl Reaction {
         const BLIND: [&str; 3] = ["script", "joystick", "playback"];
         if BLIND.contains(&recording.header().run.driver.as_str()) {
             Reaction::Scripted
-        } else if constant_share(recording) >= SCRIPTED_SHARE {
+        } else if recording.explanations().constant_share(|| constant_share(recording))
+            >= SCRIPTED_SHARE
+        {
             Reaction::Strokes
         } else {
             Reaction::Reacts
@@ -68,43 +71,64 @@ impl Reaction {
 /// Share of the recorded time in which the joystick is constant, up to its tremor, for at least
 /// [`LEAST_BLOCKS`].
 fn constant_share(recording: &Recording) -> f64 {
-    let asked: Vec<[f64; 2]> = recording
-        .moments()
-        .iter()
+    let tremor = tremor(recording);
+    // Differences of block means are normal with the tremor's √(2/5): five deviations of it.
+    let tolerance = tremor.map(|sigma| 5.0 * sigma * libm::sqrt(2.0 / BLOCK as f64) + 1e-6);
+    let (mut constant, mut count) = (0, 0);
+    let mut first: Option<(usize, [f64; 2])> = None;
+    // The block in which the stroke changes belongs to neither.
+    let stroke = |from: usize, to: usize| if to - from >= LEAST_BLOCKS { to - from + 1 } else { 0 };
+    for (end, mean) in means(recording).enumerate() {
+        count = end + 1;
+        let holds =
+            |of: &[f64; 2]| (0..2).all(|axis| (mean[axis] - of[axis]).abs() <= tolerance[axis]);
+        if !first.as_ref().is_some_and(|(_, of)| holds(of)) {
+            constant += first.map_or(0, |(from, _)| stroke(from, end));
+            first = Some((end, mean));
+        }
+    }
+    constant += first.map_or(0, |(from, _)| stroke(from, count));
+    if count == 0 { 0.0 } else { constant as f64 / count as f64 }
+}
+
+/// What was asked for, tick by tick, [m/s, rad/s].
+fn asked(recording: &Recording) -> impl Iterator<Item = [f64; 2]> {
+    recording
+        .look()
+        .all()
         .filter_map(|moment| moment.request)
         .map(|request| [request.v_mps, request.omega_radps])
         .filter(|asked| asked.iter().all(|number| number.is_finite()))
-        .collect();
-    let tremor = [0, 1].map(|axis| tremor(&asked, axis));
-    // Differences of block means are normal with the tremor's √(2/5): five deviations of it.
-    let tolerance = tremor.map(|sigma| 5.0 * sigma * libm::sqrt(2.0 / BLOCK as f64) + 1e-6);
-    let means: Vec<[f64; 2]> = asked
-        .chunks_exact(BLOCK)
-        .map(|block| {
-            [0, 1].map(|axis| block.iter().map(|asked| asked[axis]).sum::<f64>() / BLOCK as f64)
-        })
-        .collect();
-    let (mut constant, mut first) = (0, 0);
-    for end in 1..=means.len() {
-        let holds = end < means.len()
-            && (0..2).all(|axis| (means[end][axis] - means[first][axis]).abs() <= tolerance[axis]);
-        if !holds {
-            // The block in which the stroke changes belongs to neither.
-            if end - first >= LEAST_BLOCKS {
-                constant += end - first + 1;
-            }
-            first = end;
+}
+
+/// The means of its blocks.
+fn means(recording: &Recording) -> impl Iterator<Item = [f64; 2]> {
+    let mut asked = asked(recording);
+    std::iter::from_fn(move || {
+        let mut block = [[0.0; 2]; BLOCK];
+        for place in &mut block {
+            *place = asked.next()?;
         }
-    }
-    if means.is_empty() { 0.0 } else { constant as f64 / means.len() as f64 }
+        Some([0, 1].map(|axis| block.iter().map(|asked| asked[axis]).sum::<f64>() / BLOCK as f64))
+    })
 }
 
 /// The deviation of what changes from one sample to the next: the median of the magnitudes of second
 /// differences, to which a steady drift adds nothing and a stroke's change hardly anything.
-fn tremor(asked: &[[f64; 2]], axis: usize) -> f64 {
-    let mut bends: Vec<f64> =
-        asked.windows(3).map(|w| (w[0][axis] - 2.0 * w[1][axis] + w[2][axis]).abs()).collect();
-    bends.sort_by(f64::total_cmp);
+fn tremor(recording: &Recording) -> [f64; 2] {
+    let bends = |see: &mut dyn FnMut(usize, f64)| {
+        let mut last = [None; 2];
+        for now in asked(recording) {
+            if let [Some(first), Some(second)] = last {
+                let (first, second): ([f64; 2], [f64; 2]) = (first, second);
+                for axis in 0..2 {
+                    see(axis, (first[axis] - 2.0 * second[axis] + now[axis]).abs());
+                }
+            }
+            last = [last[1], Some(now)];
+        }
+    };
     // A second difference of white noise has √6 of its deviation; the median of |normal| is 0.6745.
-    bends.get(bends.len() / 2).map_or(0.0, |median| median / (0.6745 * libm::sqrt(6.0)))
+    ranked(bends, |_, count| count / 2)
+        .map(|median| median.map_or(0.0, |median| median / (0.6745 * libm::sqrt(6.0))))
 }

@@ -81,6 +81,37 @@ fn levels_differ_once_the_robot_is_elsewhere() {
     }
 }
 
+/// A person most of whom waits in a file is the same at every level, and so is the horizon.
+#[test]
+fn a_person_in_a_file_is_the_same() {
+    for (name, other) in
+        [("random:slant:tracker:6", "tandem-kinematic"), ("random:rect:flowing:4", "paper-dynamic")]
+    {
+        let scenario = scenario(name, 12.0);
+        let log = record(&scenario, "human", SensorSuite::Sonar);
+        let spec = crate::session::spec(other, &scenario);
+        let recordings = [
+            Recording::read(log.open()).expect("has a joystick"),
+            Recording::read_keeping(log.open(), 16).expect("has a joystick"),
+        ]
+        .map(Arc::new);
+        assert_eq!(Reaction::of(&recordings[0]), Reaction::of(&recordings[1]));
+        let [gains, of_file] =
+            [0, 1].map(|which: usize| Gains::pooled(&[Arc::clone(&recordings[which])]));
+        assert_eq!(gains, of_file);
+        for person in Person::ladder(gains) {
+            let [memory, file] = recordings.each_ref().map(|recording| {
+                let mut replay: Replay<std::io::Cursor<Vec<u8>>> =
+                    Replay::of_recording(recording, &spec, person).expect("replays");
+                while replay.next_event().is_some() {}
+                replay.finish().expect("has steps")
+            });
+            assert!(memory.furthest.is_some_and(|furthest| furthest > 0.0));
+            assert_eq!(memory, file, "{name} {}", person.name());
+        }
+    }
+}
+
 fn number(strange: bool) -> BoxedStrategy<f64> {
     if strange {
         prop_oneof![
@@ -215,7 +246,8 @@ fn goals_are_inferred() {
     let explained = goals::explain(&recording, &gains, goals::GRID_M, usize::MAX);
     let (mut near, mut judged) = (0, 0);
     for (tick, wanted) in truth.iter().enumerate().step_by(5) {
-        let state = recording.moments()[tick].state.expect("every tick has one");
+        let state =
+            recording.look().at(tick).and_then(|moment| moment.state).expect("every tick has one");
         let to = |at: [f64; 2]| libm::atan2(at[1] - state.pose.y_m, at[0] - state.pose.x_m);
         let way_m = libm::hypot(wanted[0] - state.pose.x_m, wanted[1] - state.pose.y_m);
         if way_m < 0.5 {
@@ -250,7 +282,7 @@ fn estimates_steer_back_to_the_goal() {
     let (recording, _) = by_the_law(&Gains::PRIOR);
     let recording = Arc::new(recording);
     let tick = 100;
-    let moment = recording.moments()[tick];
+    let moment = recording.look().at(tick).expect("lasts so long");
     let (state, recorded) = (moment.state.expect("has one"), moment.request.expect("has one"));
     let [x_m, y_m] = state.pose.transform(0.0, 0.4);
     let aside = State { pose: Pose { x_m, y_m, ..state.pose }, ..state };
