@@ -14,6 +14,7 @@ const EIGHT_BYTES: u8 = 1;
 const LENGTH: u8 = 2;
 
 /// The event in a message of a sensor or the joystick; `None` where the general decoder has to look.
+#[inline]
 pub(super) fn decode(topic: Topic, data: &[u8]) -> Option<Event> {
     Some(Event::Sample(match topic {
         Topic::Sonar => Sample::Sonar(sonar(data)?),
@@ -55,8 +56,10 @@ fn words<const N: usize>(
     data: &[u8],
     mut bit: impl FnMut(usize, bool) -> bool,
 ) -> Option<[u64; N]> {
-    let mut words = [0; N];
-    let mut rest = Bytes(data);
+    let (mut words, mut rest) = match all(data) {
+        Some((words, rest)) => (words, Bytes(rest)),
+        None => ([0; N], Bytes(data)),
+    };
     while !rest.0.is_empty() {
         let (field, wire) = key(&mut rest)?;
         match wire {
@@ -69,6 +72,22 @@ fn words<const N: usize>(
         }
     }
     Some(words)
+}
+
+/// The fields 1 to N where none is absent and each stands in its place, as in most messages, and what
+/// follows them.
+fn all<const N: usize>(data: &[u8]) -> Option<([u64; N], &[u8])> {
+    let (fields, rest) = data.split_at_checked(9 * N)?;
+    let mut words = [0; N];
+    for (index, ([key, value @ ..], word)) in
+        fields.as_chunks::<9>().0.iter().zip(&mut words).enumerate()
+    {
+        if usize::from(*key) != (index + 1) << 3 | usize::from(EIGHT_BYTES) {
+            return None;
+        }
+        *word = u64::from_le_bytes(*value);
+    }
+    Some((words, rest))
 }
 
 /// Number (1 to 15) and wire type of a field.

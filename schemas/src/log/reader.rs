@@ -9,6 +9,7 @@ use super::bytes::Bytes;
 use super::encode::decode;
 use super::header::HeadParts;
 use super::messages::{Item, Message, Messages};
+use super::quick;
 use super::topics::TOPICS;
 use super::{Arm, LogError, Topic};
 use crate::{Event, Header, Stamped, Time};
@@ -60,7 +61,9 @@ impl<R: Read> Opened<R> {
 
     /// The next message of any topic; `None` at the end, and after an error.
     pub(super) fn next(&mut self) -> Result<Option<Message>, LogError> {
-        if let Some(pending) = self.pending.take() {
+        if self.pending.is_some()
+            && let Some(pending) = self.pending.take()
+        {
             return pending;
         }
         loop {
@@ -88,6 +91,19 @@ impl<R: Read> Opened<R> {
     }
 }
 
+/// What is done with the messages of a channel.
+#[derive(Clone, Copy)]
+enum Plan {
+    /// To be found out.
+    Unseen,
+    /// They are passed over.
+    PassOver,
+    /// They are given as events of a topic.
+    Give(Topic),
+    /// They are to be refused: the topic should carry something else.
+    Refuse(Topic),
+}
+
 /// Reads the events of a session log in their order, in memory bounded by one chunk.
 ///
 /// Every whole message before a damaged place is given before the error that names the place;
@@ -96,6 +112,8 @@ pub struct LogReader<R> {
     opened: Opened<R>,
     wanted: [bool; TOPICS.len()],
     arm: Arm,
+    /// What is done with the messages of each channel, once one was seen.
+    plans: Vec<Plan>,
     last: Option<Time>,
     failed: bool,
 }
@@ -119,7 +137,8 @@ impl<R: Read> LogReader<R> {
     pub fn new(source: R) -> Result<Self, LogError> {
         let wanted = TOPICS.map(|info| !info.view);
         let opened = Opened::new(source)?;
-        Ok(LogReader { opened, wanted, arm: Arm::B, last: None, failed: false })
+        let plans = Vec::new();
+        Ok(LogReader { opened, wanted, arm: Arm::B, plans, last: None, failed: false })
     }
 
     /// Whether two runs stand side by side in the log.
@@ -169,19 +188,49 @@ impl<R: Read> LogReader<R> {
 
     fn advance(&mut self) -> Result<Option<Stamped<Event>>, LogError> {
         while let Some(message) = self.opened.next()? {
-            let channel = self.opened.messages.channel(message.channel);
-            let of_arm = channel.filter(|channel| channel.arm.unwrap_or(Arm::B) == self.arm);
-            let topic = of_arm.and_then(|channel| channel.ours);
-            let Some(topic) = topic.filter(|topic| self.wanted[*topic as usize]) else { continue };
+            let plan = self.plans.get(usize::from(message.channel)).copied();
+            let plan = match plan.unwrap_or(Plan::Unseen) {
+                Plan::Unseen => self.plan(message.channel),
+                known => known,
+            };
+            let (topic, quick) = match plan {
+                Plan::Give(topic) => (topic, true),
+                Plan::Refuse(topic) => (topic, false),
+                Plan::PassOver | Plan::Unseen => continue,
+            };
             if let Some(previous) = self.last.filter(|last| message.at <= *last) {
                 return Err(LogError::Order { topic: topic.name(), at: message.at, previous });
             }
-            if let Some(value) = self.opened.event(&message)? {
-                self.last = Some(message.at);
-                return Ok(Some(Stamped { at: message.at, value }));
-            }
+            let payload = self.opened.messages.payload(&message);
+            let value = match quick::decode(topic, payload).filter(|_| quick) {
+                Some(value) => value,
+                None => match self.opened.event(&message)? {
+                    Some(value) => value,
+                    None => continue,
+                },
+            };
+            self.last = Some(message.at);
+            return Ok(Some(Stamped { at: message.at, value }));
         }
         Ok(None)
+    }
+
+    /// Finds out what is to be done with the messages of a channel.
+    fn plan(&mut self, id: u16) -> Plan {
+        let Some(channel) = self.opened.messages.channel(id) else { return Plan::PassOver };
+        let of_arm = channel.arm.unwrap_or(Arm::B) == self.arm;
+        let wanted = |topic: &Topic| of_arm && self.wanted[*topic as usize];
+        let plan = match channel.ours.filter(wanted) {
+            None => Plan::PassOver,
+            Some(topic) if channel.as_expected => Plan::Give(topic),
+            Some(topic) => Plan::Refuse(topic),
+        };
+        let index = usize::from(id);
+        if self.plans.len() <= index {
+            self.plans.resize(index + 1, Plan::Unseen);
+        }
+        self.plans[index] = plan;
+        plan
     }
 
     /// Whether the log has been read to its proper end: footer and closing bytes seen, all check

@@ -62,7 +62,9 @@ pub(super) struct Records<R> {
     source: R,
     /// Bytes read so far.
     at_byte: u64,
-    body: Vec<u8>,
+    /// The body of the record, and behind it what is left of longer ones: it need not be cleared.
+    buffer: Vec<u8>,
+    filled: usize,
     /// Over the data section, then over the summary.
     check: crc32fast::Hasher,
     /// Seen the footer and the closing magic, with nothing behind them.
@@ -75,12 +77,13 @@ impl<R: Read> Records<R> {
         let mut records = Records {
             source,
             at_byte: 0,
-            body: Vec::new(),
+            buffer: Vec::new(),
+            filled: 0,
             check: crc32fast::Hasher::new(),
             complete: false,
         };
         records.fill(MAGIC.len() as u64)?;
-        let found = records.body.as_slice();
+        let found = records.body();
         if found.is_empty() {
             return Err(Broken::Log(LogError::NotMcap("it is empty")));
         }
@@ -96,7 +99,7 @@ impl<R: Read> Records<R> {
 
     /// The body of the record that [`Records::next`] gave last.
     pub(super) fn body(&self) -> &[u8] {
-        &self.body
+        &self.buffer[..self.filled]
     }
 
     /// Bytes read so far.
@@ -116,13 +119,13 @@ impl<R: Read> Records<R> {
         }
         let at_byte = self.at_byte;
         self.fill(9)?;
-        let mut head = Bytes(&self.body);
+        let mut head = Bytes(self.body());
         let (Some(opcode), Some(length)) = (head.u8(), head.u64()) else {
             return Err(Broken::CutOff { at_byte: self.at_byte });
         };
         // What stands before the data end is covered by its check sum, the data end itself by none.
         let data_check = (opcode == opcode::DATA_END).then(|| self.check.clone().finalize());
-        self.check.update(&self.body);
+        self.check.update(&self.buffer[..self.filled]);
 
         if length > RECORD_LIMIT {
             if matches!(opcode, opcode::CHUNK | opcode::MESSAGE | opcode::SCHEMA | opcode::CHANNEL)
@@ -134,21 +137,26 @@ impl<R: Read> Records<R> {
             return Ok(Some(Record { opcode, at_byte, whole: true }));
         }
         self.fill(length)?;
-        let whole = self.body.len() as u64 == length;
+        let whole = self.filled as u64 == length;
         match opcode {
             opcode::DATA_END if whole => {
                 self.check = crc32fast::Hasher::new();
-                compare(Bytes(&self.body).u32(), data_check.unwrap_or(0), at_byte, "data section")?;
+                compare(
+                    Bytes(self.body()).u32(),
+                    data_check.unwrap_or(0),
+                    at_byte,
+                    "data section",
+                )?;
             }
             opcode::FOOTER if whole => self.finish(at_byte)?,
-            _ => self.check.update(&self.body),
+            _ => self.check.update(&self.buffer[..self.filled]),
         }
         Ok(Some(Record { opcode, at_byte, whole }))
     }
 
     /// Checks the footer in the body, then the closing magic and that nothing follows.
     fn finish(&mut self, at_byte: u64) -> Result<(), Broken> {
-        let mut footer = Bytes(&self.body);
+        let mut footer = Bytes(&self.buffer[..self.filled]);
         // The summary's check sum covers the footer up to the check sum itself.
         if let Some(offsets) = footer.take(16) {
             self.check.update(offsets);
@@ -158,16 +166,16 @@ impl<R: Read> Records<R> {
 
         let end_byte = self.at_byte;
         self.fill(MAGIC.len() as u64)?;
-        if self.body.len() < MAGIC.len() && MAGIC.starts_with(&self.body) {
+        if self.filled < MAGIC.len() && MAGIC.starts_with(self.body()) {
             return Err(Broken::CutOff { at_byte: self.at_byte });
         }
-        if self.body != MAGIC {
+        if self.body() != MAGIC {
             let what = "the closing bytes are other than MCAP's".to_owned();
             return Err(Broken::Damaged { at_byte: end_byte, what });
         }
         let after_byte = self.at_byte;
         self.fill(1)?;
-        if !self.body.is_empty() {
+        if self.filled > 0 {
             let what = "more bytes follow the end of the log".to_owned();
             return Err(Broken::Damaged { at_byte: after_byte, what });
         }
@@ -178,24 +186,28 @@ impl<R: Read> Records<R> {
     /// Reads up to `count` bytes into the body; fewer only at the end of the source. The buffer
     /// grows by what arrives, not by what is claimed.
     fn fill(&mut self, count: u64) -> io::Result<()> {
-        self.body.clear();
+        self.filled = 0;
         // Most records are small, and what reads to the end first looks where that is.
-        if count <= self.body.capacity().min(AT_ONCE) as u64 {
-            self.body.resize(count as usize, 0);
-            let mut filled = 0;
-            while filled < self.body.len() {
-                match self.source.read(&mut self.body[filled..]) {
+        if count <= self.buffer.capacity().min(AT_ONCE) as u64 {
+            let count = count as usize;
+            if self.buffer.len() < count {
+                self.buffer.resize(count, 0);
+            }
+            while self.filled < count {
+                match self.source.read(&mut self.buffer[self.filled..count]) {
                     Ok(0) => break,
-                    Ok(read) => filled += read,
+                    Ok(read) => self.filled += read,
                     Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
                     Err(error) => return Err(error),
                 }
             }
-            self.body.truncate(filled);
         } else {
-            self.source.by_ref().take(count).read_to_end(&mut self.body)?;
+            self.buffer.clear();
+            let read = self.source.by_ref().take(count).read_to_end(&mut self.buffer);
+            self.filled = self.buffer.len();
+            read?;
         }
-        self.at_byte += self.body.len() as u64;
+        self.at_byte += self.filled as u64;
         Ok(())
     }
 
@@ -204,13 +216,13 @@ impl<R: Read> Records<R> {
         let mut left = count;
         while left > 0 {
             self.fill(left.min(1 << 16))?;
-            if self.body.is_empty() {
+            if self.filled == 0 {
                 return Err(Broken::CutOff { at_byte: self.at_byte });
             }
-            self.check.update(&self.body);
-            left -= self.body.len() as u64;
+            self.check.update(&self.buffer[..self.filled]);
+            left -= self.filled as u64;
         }
-        self.body.clear();
+        self.filled = 0;
         Ok(())
     }
 }
@@ -230,6 +242,6 @@ fn compare(stored: Option<u32>, calculated: u32, at_byte: u64, of: &str) -> Resu
 #[cfg(test)]
 impl<R> Records<R> {
     pub(super) fn capacity(&self) -> usize {
-        self.body.capacity()
+        self.buffer.capacity()
     }
 }
