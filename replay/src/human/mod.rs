@@ -23,6 +23,7 @@ mod path;
 mod playback;
 mod rank;
 mod reaction;
+mod surprise;
 mod target;
 mod ways;
 
