@@ -5,7 +5,7 @@ use schemas::Timing;
 use super::sample::{Decision, Motion, Request};
 
 /// One metric, fed with a run from its start to its end.
-pub(super) trait Accumulate {
+pub(super) trait Accumulate: Fork {
     /// The robot was there until the next motion. May be called before or after the decision of
     /// the same instant.
     fn motion(&mut self, motion: &Motion) {
@@ -35,6 +35,23 @@ pub(super) trait Accumulate {
     /// of them is listed as a violation.
     fn total(&self) -> Option<f64> {
         None
+    }
+}
+
+/// A copy of a metric as it stands, to be fed on its own.
+pub(super) trait Fork {
+    fn fork(&self) -> Box<dyn Accumulate>;
+}
+
+impl<T: Accumulate + Clone + 'static> Fork for T {
+    fn fork(&self) -> Box<dyn Accumulate> {
+        Box::new(self.clone())
+    }
+}
+
+impl Clone for Box<dyn Accumulate> {
+    fn clone(&self) -> Self {
+        self.as_ref().fork()
     }
 }
 

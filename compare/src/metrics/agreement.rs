@@ -8,7 +8,7 @@ use super::authority::ASKS_ABOVE;
 use super::sample::{Decision, Limits, deviation};
 
 /// `override_m` = ∫ |`v_s` − `v_h`| dt, or `override_rad` = ∫ |`ω_s` − `ω_h`| dt.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Override {
     turning: bool,
     total: f64,
@@ -46,7 +46,7 @@ impl Accumulate for Override {
 }
 
 /// `disagreement` = time mean of ‖S(`u_s` − `u_h`)‖.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Disagreement {
     limits: Limits,
     mean: Mean,
@@ -73,7 +73,7 @@ impl Accumulate for Disagreement {
 
 /// `cosine` = time mean of ⟨S `u_s`, S `u_h`⟩/(‖S `u_s`‖ ‖S `u_h`‖) where ‖S `u_h`‖ > δ; a robot that
 /// is told to stand neither follows nor opposes, which counts as 0.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Cosine {
     limits: Limits,
     mean: Mean,

@@ -29,7 +29,7 @@ pub(super) fn intervenes(limits: Limits, decision: &Decision) -> Option<bool> {
 }
 
 /// `human_share` = Σ k Δt / Σ Δt over the steps: the mean of k.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct HumanShare {
     mean: Mean,
 }
@@ -68,7 +68,7 @@ impl Rate {
 }
 
 /// `switches_per_min` = changes of k, either way, per minute.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Switches {
     rate: Rate,
     k: f64,
@@ -102,7 +102,7 @@ impl Accumulate for Switches {
 }
 
 /// `chatter_per_min` = switches of k that undo the switch before within 0.5 s.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Chatter {
     rate: Rate,
     k: f64,
@@ -142,7 +142,7 @@ impl Accumulate for Chatter {
 /// `deadlock_s` = ∫ 1{‖S `u_h`‖ > δ and the robot does not move} dt, where that has been asked for
 /// longer than the actuators' delay: a robot that was at rest when the person began to ask has not
 /// yet had the time to move.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Deadlock {
     limits: Limits,
     delay_s: f64,

@@ -8,7 +8,7 @@ use super::sample::Motion;
 pub(super) const NEAR_MISS_M: f64 = 0.1;
 
 /// `min_clearance_m` = min over the run of d, the signed clearance of the footprint.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct MinClearance {
     least_m: f64,
 }
@@ -32,7 +32,7 @@ impl Accumulate for MinClearance {
 }
 
 /// `near_miss_s` = ∫ 1{0 < d < `NEAR_MISS_M`} dt.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct NearMiss {
     exposed_s: f64,
     known: bool,

@@ -59,7 +59,7 @@ enum Quantity {
 }
 
 /// RMS or 95th percentile over time of one filtered rate.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Comfort {
     quantity: Quantity,
     percentile: bool,

@@ -25,7 +25,7 @@ fn in_contact(motion: &Motion) -> Option<bool> {
 }
 
 /// `collisions` = number of maximal intervals with d ≤ 0.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Collisions {
     contact: Edge,
     count: u32,
@@ -47,7 +47,7 @@ impl Accumulate for Collisions {
 }
 
 /// `contact_speed_mps` = the greatest |v| at the first sample of a collision.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct ContactSpeed {
     contact: Edge,
     fastest_mps: Option<f64>,

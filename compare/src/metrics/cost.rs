@@ -8,7 +8,7 @@ use super::accumulate::Accumulate;
 use super::quantile::Sketch;
 
 /// A quantile, or the maximum, of the time that a step took, from `/timing`.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct StepTime {
     /// `None` for the maximum.
     quantile: Option<f64>,

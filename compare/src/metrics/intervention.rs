@@ -52,7 +52,7 @@ impl Episodes {
 
 /// `interventions_per_min` = rising edges of ‖S(`u_s` − `u_h`)‖ > ε, those within 0.3 s of the end
 /// of the one before taken as the same.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Interventions {
     episodes: Episodes,
     rate: Rate,
@@ -83,7 +83,7 @@ impl Accumulate for Interventions {
 
 /// `intervention_p50_s`, `intervention_p95_s` = quantiles of the interventions' durations by nearest
 /// rank; undefined without an intervention.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Durations {
     p: f64,
     episodes: Episodes,

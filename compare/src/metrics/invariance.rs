@@ -72,7 +72,7 @@ pub struct Violation {
 }
 
 /// Follows a run and lists its violations.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Monitor {
     footprint: Footprint,
     outside: Option<Violation>,
@@ -180,7 +180,7 @@ fn disc_clearance_m(footprint: &Footprint, pose: &Pose, disc: &Disc) -> f64 {
 }
 
 /// `invariance_breaches` = number of maximal intervals outside the static admissible set.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Breaches {
     outside: Edge,
     count: u32,
@@ -203,7 +203,7 @@ impl Accumulate for Breaches {
 }
 
 /// `invariance_first_s` = when the static admissible set was first left; undefined if never.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct FirstBreach {
     at_s: Option<f64>,
 }
@@ -221,7 +221,7 @@ impl Accumulate for FirstBreach {
 }
 
 /// `invariance_worst_m` = how deep the body overlapped a wall or an obstacle at most, 0 if never.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct WorstBreach {
     deepest_m: f64,
     known: bool,
@@ -249,7 +249,7 @@ const BARRIER_PERIOD_S: f64 = 0.1;
 /// what stands still and γ = 0.5 per 0.1 s, for another spacing of samples by the same rate
 /// (Agrawal and Sreenath, "Discrete control barrier functions for safety-critical control of
 /// discrete systems", RSS 2017).
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Barrier {
     before: Option<(f64, f64)>,
     breached: Edge,

@@ -19,7 +19,7 @@ const SAME_FRAME_RAD: f64 = 1e-9;
 
 /// `lyapunov_increases` = number of covered steps with L₊ − L > 1e-6;
 /// `lyapunov_worst` = the largest L₊ − L over covered steps, at least 0.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Lyapunov {
     worst_only: bool,
     covered_world: bool,

@@ -80,7 +80,8 @@ impl Measured {
     }
 }
 
-/// Reads a run event by event and measures it.
+/// Reads a run event by event and measures it. A copy goes on from where it was made.
+#[derive(Clone)]
 pub struct Meter {
     start: Time,
     setting: Setting,

@@ -13,7 +13,7 @@ const SILENT_ABOVE_S: f64 = 0.2;
 
 /// `operator_effort` = ∫ ‖S d`u_h`/dt‖ dt = Σ ‖S Δ`u_h`‖ over joystick samples: the way of the hand, 1
 /// for the way from rest to full speed.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Effort {
     limits: Limits,
     last: Option<Request>,
@@ -56,7 +56,7 @@ impl Accumulate for Effort {
 /// `operator_reversals_per_min` = changes of sign of `v_h` or of `ω_h` between values beyond 5 % of
 /// full speed, per minute of joystick (after the steering reversal rate of `McLean` and Hoffmann,
 /// "Steering reversals as a measure of driver performance", Human Factors 17, 1975).
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Reversals {
     limits: Limits,
     rate: Rate,

@@ -28,7 +28,7 @@ const LEAST_SHARE: f64 = 0.05;
 /// beyond which V̂ stays below 0.05, at most 10 Hz. Nearer to 0 is smoother (Balasubramanian,
 /// Melendez-Calderon, Roby-Brami and Burdet, "On the analysis of movement smoothness", Journal of
 /// `NeuroEngineering` and Rehabilitation 12, 2015).
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Sparc {
     /// ∫|v| dt and the time of the sample that is being filled.
     filling: Mean,

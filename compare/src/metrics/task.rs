@@ -30,7 +30,7 @@ fn cross_track_m(task: &Task, point_m: [f64; 2]) -> f64 {
 }
 
 /// `tracking_rms_m` = RMS over time of the distance to the path of the target.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Tracking {
     task: Option<Task>,
     square: Mean,
@@ -57,7 +57,7 @@ impl Accumulate for Tracking {
 }
 
 /// `heading_rms_rad` = RMS over time of the angle between the heading and the path of the target.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Heading {
     along_rad: Option<f64>,
     square: Mean,
@@ -110,7 +110,7 @@ impl Arrival {
 }
 
 /// `goal_reached` = 1 if the robot ever came within 0.2 m of the goal, else 0.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct GoalReached(Arrival);
 
 impl GoalReached {
@@ -130,7 +130,7 @@ impl Accumulate for GoalReached {
 }
 
 /// `goal_time_s` = first time within 0.2 m of the goal; undefined where that never happened.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct GoalTime(Arrival);
 
 impl GoalTime {
@@ -151,7 +151,7 @@ impl Accumulate for GoalTime {
 
 /// `path_efficiency` = (‖g − p(0)‖ − ‖g − p(T)‖) / ∫ |dp|, with g the task's end point: progress
 /// towards the goal per metre driven, 1 for the straight way, negative for driving away.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct PathEfficiency {
     goal_m: Option<[f64; 2]>,
     first_m: Option<[f64; 2]>,

@@ -495,6 +495,38 @@ fn a_run_without_a_step_is_an_error_and_not_a_row_of_zeros() {
     assert!(matches!(meter.finish(), Err(CompareError::NoSteps { events: 1 })));
 }
 
+/// A meter's copy goes on alone: it is measured as far as it was fed, and what it came from as if it had
+/// never been copied.
+#[test]
+fn a_copy_of_a_meter_goes_on_alone() {
+    let mut run = Run::new();
+    for i in 0..60 {
+        let t_s = f64::from(i) * 0.1;
+        run.truth(t_s, |truth| {
+            truth.pose.x_m = 1.0 + 0.3 * t_s;
+            truth.v_mps = 0.3 + 0.01 * f64::from(i % 7);
+            truth.clearance_m = 0.4 - 0.1 * t_s;
+        });
+        run.step(t_s, |step| step.k = f64::from(i % 5).min(1.0)).command(t_s, 0.1, 0.0);
+    }
+    let mut meter = Meter::new(&run.header);
+    let mut copy = None;
+    let half = run.events.len() / 2;
+    for (i, event) in run.events.iter().enumerate() {
+        if i == half {
+            copy = Some(meter.clone());
+        }
+        meter.observe(event);
+    }
+    let copy = copy.expect("made halfway").finish().unwrap();
+    let mut part = run.clone();
+    part.events.truncate(half);
+    // As text, in which NaN is NaN.
+    assert_eq!(format!("{copy:?}"), format!("{:?}", part.measured()));
+    assert_eq!(format!("{:?}", meter.finish().unwrap()), format!("{:?}", run.measured()));
+    assert_ne!(format!("{:?}", part.measured().metrics), format!("{:?}", run.measured().metrics));
+}
+
 /// Runs of the same motion under other inputs, walked side by side: each is measured as it is alone.
 #[test]
 fn beside_another_run_a_run_is_measured_as_it_is_alone() {

@@ -15,7 +15,7 @@ const REACTS_WITHIN_S: f64 = 0.1;
 /// touches something when it goes on at its present (v, ω) and the discs go on as they do.
 ///
 /// 3 s where nothing is met within 3 s: every run has a value, and a pair of runs a difference.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct MinTtc {
     least_s: f64,
 }
@@ -40,7 +40,7 @@ impl Accumulate for MinTtc {
 /// `ttc_exposure_s` = ∫ 1{TTC < τ*} dt: time exposed time-to-collision (Minderhoud and Bovy,
 /// "Extended time-to-collision measures for road traffic safety assessment", Accident Analysis and
 /// Prevention 33, 2001).
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct TtcExposure {
     exposed_s: f64,
     known: bool,
@@ -65,7 +65,7 @@ impl Accumulate for TtcExposure {
 
 /// `stop_margin_m` = min over the run of d − |v| `t_react` − v²/(2 `a_max`), with `t_react` the
 /// actuator delay and 0.1 s: what would have been left after an emergency stop, metres.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct StopMargin {
     reacts_s: f64,
     brake_mps2: f64,

@@ -10,7 +10,7 @@ use super::sample::{Decision, Limits};
 
 /// `unwarranted` = time with safe input that was overridden / time with safe input.
 /// `missed` = time with unsafe input that was not overridden / time with unsafe input.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Verdicts {
     limits: Limits,
     /// The kind of input that is counted.
@@ -51,7 +51,7 @@ impl Accumulate for Verdicts {
 
 /// `necessary` = time mean of ‖S(u* − `u_h`)‖, `excess` = time mean of ‖S(`u_s` − u*)‖, with u* the
 /// safe input nearest to the person's.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Correction {
     limits: Limits,
     excess: bool,

@@ -29,8 +29,7 @@ pub(super) struct Surprises<'a> {
     hopeless: Sector,
     /// Not a number where it is not worked out yet.
     known: Vec<f64>,
-    /// The first point ahead, and how many there are: as many to back up to follow.
-    ahead: usize,
+    /// How many points there are to be at: as many to back up to follow them.
     points: usize,
 }
 
@@ -50,7 +49,6 @@ impl<'a> Surprises<'a> {
             block,
             hopeless: Sector::EVERYWHERE,
             known: vec![f64::NAN; candidates.len()],
-            ahead,
             points: (candidates.len() - ahead) / 2,
         }
     }

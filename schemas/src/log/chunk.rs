@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use super::bytes::Bytes;
-use super::records::RECORD_LIMIT;
+use super::records::{RECORD_LIMIT, opcode};
 
 /// The content of the chunk being read.
 #[derive(Default)]
@@ -116,6 +116,27 @@ impl Chunk {
     fn clear(&mut self) {
         self.content.clear();
         self.position = 0;
+    }
+
+    /// The next record, where it is a whole message: channel, sequence, log time, and where its payload
+    /// lies. Where it is anything else nothing is taken, and [`Chunk::next`] has to look.
+    #[inline]
+    pub(super) fn next_message(&mut self) -> Option<(u16, u32, u64, std::ops::Range<usize>)> {
+        // Opcode and length, then channel, sequence and two times.
+        const HEAD: usize = 9 + 22;
+        let rest = self.content.get(self.position..)?;
+        let mut head = Bytes(rest.first_chunk::<HEAD>()?);
+        if head.u8()? != opcode::MESSAGE {
+            return None;
+        }
+        let length = usize::try_from(head.u64()?).ok()?;
+        if length < HEAD - 9 || length > rest.len() - 9 {
+            return None;
+        }
+        let (channel, sequence, at) = (head.u16()?, head.u32()?, head.u64()?);
+        let begin = self.position + HEAD;
+        self.position += 9 + length;
+        Some((channel, sequence, at, begin..self.position))
     }
 
     /// The next record in the chunk: its opcode and where its body lies; `None` at the end.

@@ -116,7 +116,24 @@ impl<R: Read> Messages<R> {
     }
 
     /// The next message, metadata record or attachment; `None` at the end, and after an error.
+    #[inline]
     pub(super) fn next(&mut self) -> Result<Option<Item>, LogError> {
+        // Nearly everything is a message in a chunk.
+        if self.in_chunk && !self.ended {
+            let next = self.chunk.next_message();
+            if let Some((channel, sequence, at, payload)) = next
+                && self.channel(channel).is_some()
+            {
+                let at = Time(at);
+                self.reached = Some(at);
+                let message = Message { channel, sequence, at, payload, in_chunk: true };
+                return Ok(Some(Item::Message(message)));
+            }
+        }
+        self.next_of_any_kind()
+    }
+
+    fn next_of_any_kind(&mut self) -> Result<Option<Item>, LogError> {
         if self.ended {
             return Ok(None);
         }

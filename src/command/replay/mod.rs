@@ -410,13 +410,11 @@ impl Replay {
                 Some((path, replay_header(header, spec, mode, logs::hash_file(log)?)))
             }
         };
-        // Metrics twice: over the whole run, and as far as the recorded person is to be believed.
+        // Metrics over the whole run, and as far as the recorded person is to be believed: until then they
+        // are the same.
         let closed = matches!(mode, Mode::Closed(_));
-        let mut meters = closed.then(|| {
-            let whole = Meter::new(header);
-            let until_horizon = whole.beside(header);
-            [whole, until_horizon]
-        });
+        let mut whole = closed.then(|| Meter::new(header));
+        let mut until_horizon = None;
         let interrupted = Cell::new(false);
         let mut next = || -> Result<Option<Stamped<Event>>> {
             interrupted.set(interrupt::pressed());
@@ -424,11 +422,12 @@ impl Replay {
                 return Ok(None);
             }
             let event = arm::caught(|| replay.next_event())?;
-            if let (Some([whole, until_horizon]), Some(event)) = (&mut meters, &event) {
-                whole.observe(event);
-                if replay.horizon().is_some_and(|horizon| horizon.first_s().is_none()) {
-                    until_horizon.observe(event);
+            if let (Some(whole), Some(event)) = (&mut whole, &event) {
+                let parted = replay.horizon().is_some_and(|horizon| horizon.first_s().is_some());
+                if parted && until_horizon.is_none() {
+                    until_horizon = Some(whole.clone());
                 }
+                whole.observe(event);
             }
             Ok(event)
         };
@@ -473,10 +472,8 @@ impl Replay {
             ControllerChoice::Recorded => spec.name.clone(),
             ControllerChoice::Version { typed, .. } => typed.clone(),
         };
-        let [whole, until_horizon] = match meters {
-            None => [None, None],
-            Some(meters) => meters.map(|meter| meter.finish().ok()),
-        };
+        let [until_horizon, whole] = [until_horizon.or_else(|| whole.clone()), whole]
+            .map(|meter| meter.and_then(|meter| meter.finish().ok()));
         let run = Run::of(log, mode, &controller, outcome);
         Ok(Run {
             output: written.map(|path| path.display().to_string()),
