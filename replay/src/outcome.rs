@@ -113,10 +113,7 @@ impl Tally {
     pub(crate) fn replayed(&mut self, event: &Stamped<Event>, recorded: Option<&Step>) {
         self.first.get_or_insert(event.at);
         self.last = event.at;
-        let step = match &event.value {
-            Event::Step(step) => step,
-            _ => return self.hash(event, event),
-        };
+        let Event::Step(step) = &event.value else { return self.hash(event, event) };
         self.steps += 1;
         self.engaged_steps += u64::from(step.k == 0.0);
         match recorded.filter(|recorded| recorded.stamp == step.stamp) {
