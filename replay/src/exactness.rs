@@ -176,6 +176,13 @@ fn a_recording_that_lost_a_field_differs() {
             assert_eq!((most.field, most.amount), ("safety_clear_m", f64::INFINITY));
             assert!((most.t_s - at_s).abs() < 1e-9, "{mode:?} {at_s}: {most:?}");
         }
+        // A controller that has nothing of the kind says something else, and no field of it is lost.
+        let paper = crate::session::spec("paper-kinematic", &scenario);
+        let mut replay = Replay::new(|| Ok(whole.open()), &paper, mode).expect("replays");
+        while replay.next_event().is_some() {}
+        let outcome = replay.finish().expect("has steps");
+        assert!(!outcome.identical_to_recorded);
+        assert_ne!(outcome.max_deviation.expect("it says something else").field, "safety_clear_m");
     }
 }
 

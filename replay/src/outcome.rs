@@ -60,32 +60,38 @@ pub(crate) struct Tally {
     pub(crate) damage: Option<Arc<LogError>>,
 }
 
-/// The fields that a recording lacks. Whether it is from before a field, or has it and lost it in some step,
-/// shows at its end only: until then both are kept.
+/// The fields that one of both lacks. Whether that is from before a field, or of another kind, or lost it in
+/// some step, shows at the end only: until then both answers are kept.
 struct Lacking {
-    /// By field: whether a recorded step has it.
-    had: [bool; Step::FIELDS.len()],
-    /// By field: when a step was replayed with it and recorded without, first, seconds from the start.
-    left_out_s: [Option<f64>; Step::FIELDS.len()],
+    /// By field: whether a recorded step has it, and whether a replayed one does.
+    had: [[bool; 2]; Step::FIELDS.len()],
+    /// By field: when the one had it and the other did not, first, seconds from the start.
+    apart_s: [Option<f64>; Step::FIELDS.len()],
     /// What was replayed with nothing left out of it, from where something is.
     whole: Option<OutputHash>,
 }
 
+const RECORDED: usize = 0;
+const REPLAYED: usize = 1;
+
 impl Lacking {
     fn new() -> Lacking {
-        Lacking {
-            had: [false; Step::FIELDS.len()],
-            left_out_s: [None; Step::FIELDS.len()],
-            whole: None,
+        let fields = [[false; 2]; Step::FIELDS.len()];
+        Lacking { had: fields, apart_s: [None; Step::FIELDS.len()], whole: None }
+    }
+
+    fn hear(&mut self, step: &Step, whose: usize) {
+        for (had, value) in self.had.iter_mut().zip(step.values()) {
+            had[whose] |= value != Value::Absent;
         }
     }
 
-    /// The first step that lacks what the recording otherwise has, and what.
+    /// The first step in which one lacks what both otherwise have, and what.
     fn lost(&self) -> Option<(f64, &'static str)> {
-        let fields = Step::FIELDS.iter().zip(self.had).zip(self.left_out_s);
+        let fields = Step::FIELDS.iter().zip(self.had).zip(self.apart_s);
         fields
-            .filter_map(|((field, had), left_out_s)| {
-                Some((left_out_s.filter(|_| had)?, field.name))
+            .filter_map(|((field, had), apart_s)| {
+                Some((apart_s.filter(|_| had == [true; 2])?, field.name))
             })
             .min_by(|a, b| a.0.total_cmp(&b.0))
     }
@@ -116,6 +122,7 @@ impl Tally {
         let Event::Step(step) = &event.value else { return self.hash(event, event) };
         self.steps += 1;
         self.engaged_steps += u64::from(step.k == 0.0);
+        self.lacking.hear(step, REPLAYED);
         match recorded.filter(|recorded| recorded.stamp == step.stamp) {
             None => self.hash(event, event),
             Some(recorded) => {
@@ -137,9 +144,7 @@ impl Tally {
 
     pub(crate) fn recorded(&mut self, event: &Stamped<Event>) {
         if let Event::Step(step) = &event.value {
-            for (had, value) in self.lacking.had.iter_mut().zip(step.values()) {
-                *had |= value != Value::Absent;
-            }
+            self.lacking.hear(step, RECORDED);
         }
         self.recorded.update(event);
     }
@@ -148,10 +153,12 @@ impl Tally {
         let t_s = replayed.stamp.seconds_since(self.start);
         let values = replayed.values().into_iter().zip(recorded.values());
         for (number, (field, (a, b))) in Step::FIELDS.iter().zip(values).enumerate() {
-            if b == Value::Absent && a != Value::Absent {
-                self.lacking.left_out_s[number].get_or_insert(t_s);
-                // Up to here there is no difference between the two.
-                self.lacking.whole.get_or_insert_with(|| self.replayed.clone());
+            if (a == Value::Absent) != (b == Value::Absent) {
+                self.lacking.apart_s[number].get_or_insert(t_s);
+                if b == Value::Absent {
+                    // Up to here nothing has been left out.
+                    self.lacking.whole.get_or_insert_with(|| self.replayed.clone());
+                }
                 continue;
             }
             let amount = difference(field, &a, &b);
@@ -166,7 +173,7 @@ impl Tally {
             return Err(self.damage.map_or(ReplayError::NoStep, ReplayError::Log));
         }
         if let Some((t_s, field)) = self.lacking.lost() {
-            // The recording has the field: that a step of it has not is a difference like any other.
+            // Both have the field: that a step of one has not is a difference like any other.
             let amount = f64::INFINITY;
             let known = self.deviation.as_ref().filter(|known| known.amount == amount);
             if known.is_none_or(|known| t_s < known.t_s) {
@@ -194,8 +201,7 @@ impl Tally {
     }
 }
 
-/// How far two values of a field are apart, directions the short way round. NaN equals NaN; a number and a NaN are infinitely far apart, and so is
-/// what one of both does without.
+/// How far two values of a field are apart, directions the short way round. NaN equals NaN; a number and a NaN are infinitely far apart.
 /// Names, flags and hashes have no distance: they are left to the hash and to `tandem diff`.
 fn difference(field: &Field, a: &Value, b: &Value) -> f64 {
     let apart = |off: f64, direction: bool| if direction { wrap(off).abs() } else { off.abs() };
@@ -212,8 +218,6 @@ fn difference(field: &Field, a: &Value, b: &Value) -> f64 {
         (Value::Pose(a), Value::Pose(b)) => {
             number(a.x_m, b.x_m).max(number(a.y_m, b.y_m)).max(of(a.theta_rad, b.theta_rad, true))
         }
-        (Value::Absent, Value::Absent) => 0.0,
-        (Value::Absent, _) | (_, Value::Absent) => f64::INFINITY,
         _ => 0.0,
     }
 }
