@@ -297,7 +297,7 @@ fn walk(
     start: Time,
     [a, b]: [Side; 2],
 ) -> (Result<Measured>, Result<Measured>, Result<Diff>, Option<f64>) {
-    let diff = compare::diff::<anyhow::Error>(
+    let diff = compare::diff::<anyhow::Error, _>(
         &Tolerances::exact(),
         (start, || Ok(a.next_event())),
         (start, || Ok(b.next_event())),

@@ -147,7 +147,7 @@ impl Fixture {
         let mut golden = logs::open(&path)?;
         let start = golden.header().run.start;
         let mut events = today.events.iter().cloned();
-        compare::diff::<anyhow::Error>(
+        compare::diff::<anyhow::Error, _>(
             &Tolerances::exact(),
             (start, || golden.next_event().with_context(|| path.display().to_string())),
             (today.header.run.start, || Ok(events.next())),

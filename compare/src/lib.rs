@@ -34,7 +34,8 @@ pub use comparison::{
     swap_parameters,
 };
 pub use diff::{
-    Base, Compared, Diff, Differ, FieldDifference, FirstCause, Reading, Tolerance, Tolerances, diff,
+    Base, Compared, Diff, Differ, FieldDifference, FirstCause, Next, Reading, Tolerance,
+    Tolerances, diff,
 };
 pub use error::CompareError;
 pub use metrics::{

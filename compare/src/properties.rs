@@ -148,7 +148,7 @@ proptest! {
         let fields = |tolerances: &Tolerances| {
             let (mut x, mut y) = (a.events.iter().cloned(), b.events.iter().cloned());
             let start = SIMULATION_EPOCH;
-            diff::<CompareError>(
+            diff::<CompareError, _>(
                 tolerances, (start, || Ok(x.next())), (start, || Ok(y.next())),
             ).expect("has steps").fields
         };

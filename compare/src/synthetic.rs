@@ -172,7 +172,7 @@ pub(crate) fn question() -> crate::Question {
 /// Both arms of a log, measured and compared.
 pub(crate) fn pair(log: &str, a: &Run, b: &Run) -> crate::LogPair {
     let (mut next_a, mut next_b) = (a.events.iter().cloned(), b.events.iter().cloned());
-    let diff = crate::diff::<crate::CompareError>(
+    let diff = crate::diff::<crate::CompareError, _>(
         &crate::Tolerances::exact(),
         (a.header.run.start, || Ok(next_a.next())),
         (b.header.run.start, || Ok(next_b.next())),

@@ -1,17 +1,50 @@
 //! `tandem diff`: what differs between two runs.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::BufReader;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result};
 use clap::Args;
-use compare::{Tolerances, report};
+use compare::{CompareError, Next, Tolerances, report};
 use schemas::log::{Arm, LogReader};
+use serde::Serialize;
 
 use crate::cli::Common;
 use crate::status::Status;
 use crate::{interrupt, logs, output};
+
+/// What was compared, and what of it could not be read.
+#[derive(Serialize)]
+struct Compared {
+    #[serde(flatten)]
+    diff: compare::Diff,
+    /// What ended a run before its end.
+    damage: Vec<Damage>,
+}
+
+#[derive(Serialize)]
+struct Damage {
+    run: String,
+    what: String,
+}
+
+/// The next event of a run. What it is damaged by ends it here and is kept.
+fn next(
+    log: &mut LogReader<BufReader<File>>,
+    path: &Path,
+    damage: &mut Option<Damage>,
+) -> Result<Next> {
+    match log.next_event() {
+        Ok(event) => Ok(event.into()),
+        Err(error) if error.is_damage() => {
+            *damage = Some(Damage { run: path.display().to_string(), what: error.to_string() });
+            Ok(Next::Cut)
+        }
+        Err(error) => Err(error).with_context(|| path.display().to_string()),
+    }
+}
 
 /// What differs between two runs, field by field, and what differed first.
 ///
@@ -26,7 +59,7 @@ Examples:
   tandem diff paper.mcap
   tandem diff one.mcap another.mcap
 
-Exit status: 1 when the runs differ.")]
+Exit status: 1 when the runs differ, or when a damaged log could be compared in part only.")]
 pub struct Diff {
     /// One run
     #[arg(value_name = "RUN_A")]
@@ -57,16 +90,35 @@ impl Diff {
         };
         let name_b = self.b.as_ref().unwrap_or(&self.a);
         let starts = (a.header().run.start, b.header().run.start);
-        let diff = compare::diff::<anyhow::Error>(
+        let mut damage = [None, None];
+        let [damage_a, damage_b] = &mut damage;
+        let diff = compare::diff::<anyhow::Error, _>(
             &tolerances,
             (starts.0, || {
                 interrupt::check()?;
-                a.next_event().with_context(|| self.a.display().to_string())
+                next(&mut a, &self.a, damage_a)
             }),
-            (starts.1, || b.next_event().with_context(|| name_b.display().to_string())),
-        )?;
-        output::print(common, &diff, report::diff_text)?;
-        Ok(if diff.same { Status::Done } else { Status::Differs })
+            (starts.1, || next(&mut b, name_b, damage_b)),
+        );
+        let damage: Vec<Damage> = damage.into_iter().flatten().collect();
+        let diff = match (diff, damage.first()) {
+            // Where nothing is left to compare, the reason is what was wrong with the log.
+            (Err(error), Some(Damage { run, what })) if error.is::<CompareError>() => {
+                output::note(&format!("error: {run}: {what}; no step stands before that"));
+                return Ok(Status::Differs);
+            }
+            (diff, _) => diff?,
+        };
+        let mut told = BTreeSet::new();
+        for Damage { run, what } in &damage {
+            if told.insert((run, what)) {
+                output::note(&format!("error: {run}: {what}"));
+            }
+        }
+        let status = if diff.same { Status::Done } else { Status::Differs };
+        let result = Compared { diff, damage };
+        output::print(common, &result, |result| report::diff_text(&result.diff))?;
+        Ok(status)
     }
     /// One of the runs that stand side by side.
     fn arm(&self, arm: Arm) -> Result<LogReader<BufReader<File>>> {

@@ -274,6 +274,7 @@ impl Ask {
 fn unlike() -> Diff {
     Diff {
         same: false,
+        whole: true,
         same_behaviour: false,
         compared: Compared::default(),
         fields: Vec::new(),

@@ -67,6 +67,18 @@ fn a_log_cut_in_the_middle() {
     let steps = |json: &serde_json::Value| json["runs"][0]["steps"].as_u64().unwrap();
     let replayed = steps(&run.json());
     assert!(replayed > 0 && replayed < steps(&whole), "{replayed}");
+    // So is it compared: as far as it goes nothing differs, and nobody says that all is the same.
+    for pair in ["whole.mcap cut.mcap", "cut.mcap whole.mcap", "cut.mcap cut.mcap"] {
+        let run = here.tandem(&format!("diff --format json {pair}")).exits(1);
+        assert!(run.error_line().contains("cut off at byte"), "{}", run.stderr);
+        let json = run.json();
+        assert_eq!(json["compared"]["steps"], replayed, "{pair}");
+        assert_eq!((&json["same"], &json["whole"]), (&false.into(), &false.into()), "{json}");
+        assert!(json["fields"].as_array().unwrap().is_empty(), "{json}");
+        assert!(json["damage"][0]["what"].as_str().unwrap().contains("cut off"), "{json}");
+    }
+    let text = here.tandem("diff whole.mcap cut.mcap").exits(1).stdout;
+    assert!(text.contains("as far as both runs can be read"), "{text}");
     // And a cut file is not a complete one.
     let info = here.tandem("info --format json cut.mcap").exits(1).json();
     assert_eq!(info["complete"], false);
@@ -171,4 +183,6 @@ fn a_log_cut_before_its_first_step() {
         assert!(run.stderr.contains("cut off at byte"), "{mode}: {}", run.stderr);
         assert!(!here.path("out.mcap").exists(), "no result, no file");
     }
+    let run = here.tandem("diff cut.mcap whole.mcap").exits(1);
+    assert!(run.error_line().contains("cut off at byte"), "{}", run.stderr);
 }

@@ -27,10 +27,14 @@ pub struct Compared {
 /// Where two runs differ.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Diff {
-    /// Whether no compared field differs by more than its tolerance and no message is missing.
+    /// Whether no compared field differs by more than its tolerance and no message is missing, to the end of
+    /// both runs.
     pub same: bool,
+    /// Whether both runs were read to their end. Otherwise they were compared as far as both go, and nothing
+    /// is known of the rest.
+    pub whole: bool,
     /// The same but for the controllers' hidden state (`state_hash`): nothing that either run
-    /// says, asks for or commands differs.
+    /// says, asks for or commands differs, to the end of both.
     pub same_behaviour: bool,
     /// How much was compared.
     pub compared: Compared,
@@ -46,6 +50,32 @@ struct Waiting {
     cells: Vec<Cell>,
 }
 
+/// How a run ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum End {
+    /// Nothing came after.
+    Whole,
+    /// What came after cannot be read.
+    Cut,
+}
+
+/// What a run says next.
+#[derive(Clone, Debug)]
+pub enum Next {
+    /// Its next event.
+    Event(Stamped<Event>),
+    /// That it is over.
+    End,
+    /// That what follows cannot be read: what the other run has beyond this is not compared.
+    Cut,
+}
+
+impl From<Option<Stamped<Event>>> for Next {
+    fn from(event: Option<Stamped<Event>>) -> Next {
+        event.map_or(Next::End, Next::Event)
+    }
+}
+
 /// One run: its messages that have not been matched yet.
 #[derive(Default)]
 struct Side {
@@ -53,7 +83,7 @@ struct Side {
     queues: [VecDeque<Waiting>; 2],
     /// By topic and row, whether any message has it.
     has: [Vec<bool>; 2],
-    ended: bool,
+    end: Option<End>,
     /// Whether its law commands accelerations, from its first command.
     accelerates: Option<bool>,
 }
@@ -209,7 +239,9 @@ impl Differ {
     /// # Errors
     /// [`CompareError::NothingToDiff`] when neither run had a step or a command.
     pub fn finish(mut self) -> Result<Diff, CompareError> {
-        self.sides.iter_mut().for_each(|side| side.ended = true);
+        self.sides.iter_mut().for_each(|side| {
+            side.end.get_or_insert(End::Whole);
+        });
         self.match_waiting();
         let mut fields = Vec::new();
         for (number, mut topic) in self.topics.into_iter().enumerate() {
@@ -225,6 +257,7 @@ impl Differ {
         if self.compared.messages == 0 && fields.is_empty() {
             return Err(CompareError::NothingToDiff);
         }
+        let whole = self.sides.iter().all(|side| side.end != Some(End::Cut));
         let mut first_cause = self.first.cause();
         if let [Some(a), Some(b)] = self.sides.map(|side| side.accelerates)
             && a == b
@@ -240,8 +273,9 @@ impl Differ {
             }
         }
         Ok(Diff {
-            same: fields.is_empty(),
-            same_behaviour: fields.iter().all(|field| field.field == "state_hash"),
+            same: whole && fields.is_empty(),
+            whole,
+            same_behaviour: whole && fields.iter().all(|field| field.field == "state_hash"),
             compared: self.compared,
             fields,
             first_cause,
@@ -249,8 +283,8 @@ impl Differ {
     }
 
     /// Nothing follows on one side: what waits for it waits in vain.
-    fn end(&mut self, side: usize) {
-        self.sides[side].ended = true;
+    fn end(&mut self, side: usize, end: End) {
+        self.sides[side].end = Some(end);
         self.match_waiting();
     }
 
@@ -258,13 +292,16 @@ impl Differ {
         for topic in [STEP, COMMAND] {
             loop {
                 let [a, b] = &self.sides;
-                let ended = [a.ended, b.ended];
+                let ended = [a.end, b.end];
                 let keys = [&a.queues[topic], &b.queues[topic]].map(|q| q.front().map(|m| m.key));
                 match keys {
                     [Some(a), Some(b)] if a == b => self.compare(topic),
                     [Some(a), Some(b)] => self.only(topic, usize::from(b < a)),
-                    [Some(_), None] if ended[1] => self.only(topic, 0),
-                    [None, Some(_)] if ended[0] => self.only(topic, 1),
+                    [Some(_), None] if ended[1] == Some(End::Whole) => self.only(topic, 0),
+                    [None, Some(_)] if ended[0] == Some(End::Whole) => self.only(topic, 1),
+                    // Nobody knows whether the other run has it.
+                    [Some(_), None] if ended[1].is_some() => self.sides[0].queues[topic].clear(),
+                    [None, Some(_)] if ended[0].is_some() => self.sides[1].queues[topic].clear(),
                     _ => break,
                 }
             }
@@ -377,30 +414,29 @@ fn candidate(
 
 /// Compares two runs, reading each no further ahead than the other.
 ///
-/// `next_a` and `next_b` give the next event of their run, `None` at its end.
+/// `next_a` and `next_b` give the next event of their run, or [`Next`]: how it ends, `None` for its proper end.
 ///
 /// # Errors
 /// What reading gives, and [`CompareError::NothingToDiff`].
-pub fn diff<E: From<CompareError>>(
+pub fn diff<E: From<CompareError>, N: Into<Next>>(
     tolerances: &Tolerances,
-    (start_a, mut next_a): (Time, impl FnMut() -> Result<Option<Stamped<Event>>, E>),
-    (start_b, mut next_b): (Time, impl FnMut() -> Result<Option<Stamped<Event>>, E>),
+    (start_a, mut next_a): (Time, impl FnMut() -> Result<N, E>),
+    (start_b, mut next_b): (Time, impl FnMut() -> Result<N, E>),
 ) -> Result<Diff, E> {
     let mut differ = Differ::new(tolerances, start_a, start_b);
     loop {
         let [a, b] = &differ.sides;
-        if !a.ended && (b.ended || a.waiting() <= b.waiting()) {
-            match next_a()? {
-                Some(event) => differ.a(&event),
-                None => differ.end(0),
-            }
-        } else if !b.ended {
-            match next_b()? {
-                Some(event) => differ.b(&event),
-                None => differ.end(1),
-            }
-        } else {
-            return Ok(differ.finish()?);
+        let (next, side) = match (a.end, b.end) {
+            (Some(_), Some(_)) => return Ok(differ.finish()?),
+            (None, None) if a.waiting() <= b.waiting() => (next_a()?, 0),
+            (None, Some(_)) => (next_a()?, 0),
+            _ => (next_b()?, 1),
+        };
+        match (next.into(), side) {
+            (Next::Event(event), 0) => differ.a(&event),
+            (Next::Event(event), _) => differ.b(&event),
+            (Next::End, side) => differ.end(side, End::Whole),
+            (Next::Cut, side) => differ.end(side, End::Cut),
         }
     }
 }

@@ -22,7 +22,7 @@ mod tolerance;
 mod tests;
 
 pub use cause::FirstCause;
-pub use differ::{Compared, Diff, Differ, diff};
+pub use differ::{Compared, Diff, Differ, Next, diff};
 pub use field::FieldDifference;
 pub use reading::Reading;
 pub use tolerance::{Base, Tolerance, Tolerances};

@@ -2,14 +2,14 @@
 
 use schemas::{Event, LawBranch, Reason, Stamped, Time};
 
-use super::{Diff, Differ, Reading, Tolerances, diff};
+use super::{Diff, Differ, Next, Reading, Tolerances, diff};
 use crate::CompareError;
 use crate::synthetic::{Run, at};
 
 fn between(a: &Run, b: &Run, tolerances: &Tolerances) -> Diff {
     let mut next_a = a.events.iter().cloned();
     let mut next_b = b.events.iter().cloned();
-    diff::<CompareError>(
+    diff::<CompareError, _>(
         tolerances,
         (a.header.run.start, || Ok(next_a.next())),
         (b.header.run.start, || Ok(next_b.next())),
@@ -412,6 +412,48 @@ fn two_runs_without_a_step_or_command_are_an_error() {
     assert!(matches!(differ.finish(), Err(CompareError::NothingToDiff)));
     // One of them empty is a difference, not an error.
     assert_eq!(fields(&exact(&run(), &empty)), ["steps_only_in_a", "commands_only_in_a"]);
+}
+
+/// A run that is cut is compared as far as it goes: what the other has beyond is no difference, what it has
+/// before is one, and that all is the same nobody can say.
+#[test]
+fn a_run_that_is_cut_is_compared_as_far_as_it_goes() {
+    let cut = |a: &Run, b: &Run, keep: usize, cut_a: bool| {
+        let [mut a, mut b] = [(a, cut_a), (b, !cut_a)].map(|(run, is_cut)| {
+            let keep = if is_cut { keep } else { run.events.len() };
+            let mut events = run.events[..keep].iter().cloned();
+            move || {
+                Ok(match events.next() {
+                    Some(event) => Next::Event(event),
+                    None if is_cut => Next::Cut,
+                    None => Next::End,
+                })
+            }
+        });
+        diff::<CompareError, _>(&Tolerances::exact(), (at(0.0), &mut a), (at(0.0), &mut b))
+    };
+    // Truth, step, command; after five events the second step is there and its command is not.
+    let late = with_step(run(), 2, |step| step.d1_m = 1.0);
+    let early = with_step(late.clone(), 1, |step| step.d1_m = 2.0);
+    for cut_a in [true, false] {
+        let diff = cut(&run(), &late, 5, cut_a).expect("both have steps");
+        assert_eq!((diff.compared.steps, diff.compared.messages), (2, 3));
+        assert!(diff.fields.is_empty() && diff.first_cause.is_none(), "{diff:?}");
+        assert!(!diff.whole && !diff.same && !diff.same_behaviour);
+        let diff = cut(&run(), &early, 5, cut_a).expect("both have steps");
+        assert_eq!((fields(&diff), diff.fields[0].count, diff.whole), (vec!["d1_m"], 1, false));
+        // Cut in its last message or right behind it: nothing more is known.
+        let diff = cut(&run(), &run(), 9, cut_a).expect("both have steps");
+        assert!(diff.fields.is_empty() && !diff.same);
+        let error = cut(&run(), &run(), 1, cut_a).expect_err("no step of it can be read");
+        assert!(matches!(error, CompareError::NothingToDiff));
+    }
+    // A step that is missing before the cut is missing.
+    let mut gap = run();
+    gap.events.remove(1);
+    let diff = cut(&gap, &run(), 8, true).expect("both have steps");
+    assert_eq!(fields(&diff), ["steps_only_in_b"]);
+    assert!(exact(&run(), &run()).whole);
 }
 
 #[test]

@@ -16,6 +16,12 @@ pub fn diff_text(diff: &Diff) -> String {
             compared.steps, compared.messages
         );
     }
+    if diff.fields.is_empty() {
+        return format!(
+            "? no difference in {} steps, {} messages, as far as both runs can be read\n",
+            compared.steps, compared.messages
+        );
+    }
     let mut text = format!(
         "≠ different: {} of {} messages both runs have ({} steps)\n",
         compared.differing, compared.messages, compared.steps
@@ -23,6 +29,9 @@ pub fn diff_text(diff: &Diff) -> String {
     if let Some(cause) = &diff.first_cause {
         // Writing to a String cannot fail.
         let _ = writeln!(text, "first cause: {}", cause.reason);
+    }
+    if !diff.whole {
+        text.push_str("compared as far as both runs can be read\n");
     }
     text.push('\n');
     let head = [
