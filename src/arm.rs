@@ -243,7 +243,9 @@ pub fn write_side_by_side(
     let headers = [header(choices[0])?, header(choices[1])?];
     let [a, b] = arms(&log, choices, mode, faults);
     let (mut a, mut b) = (a?, b?);
-    side_by_side::write(output, [&headers[0], &headers[1]], || a.next_event(), || b.next_event())
+    let headers = [&headers[0], &headers[1]];
+    // Who is stopped here fails, and leaves no file.
+    side_by_side::write(output, headers, || a.next_event(), || b.next_event(), || false)
 }
 
 /// What was recorded, where `choice` is the controller that recorded it.

@@ -9,19 +9,21 @@ use schemas::log::{WriteAbError, WriterOptions, write_ab};
 use schemas::view::LAYOUT_AB;
 use schemas::{Event, Header, Stamped};
 
-/// Writes two runs, A and B, side by side into a file. Until they are whole they stand in another one
+/// Writes two runs, A and B, side by side into a file. Where they were `stopped` before their end, which is
+/// asked last, the file says so. Until they are whole they stand in another one
 /// beside it, so that what a failing run leaves behind is never taken for a run.
 pub fn write(
     path: &Path,
     headers: [&Header; 2],
     a: impl FnMut() -> Result<Option<Stamped<Event>>>,
     b: impl FnMut() -> Result<Option<Stamped<Event>>>,
+    stopped: impl FnOnce() -> bool,
 ) -> Result<()> {
     let name = || path.display().to_string();
     let mut unfinished = path.as_os_str().to_owned();
     unfinished.push(".unfinished");
     let file = BufWriter::new(File::create(&unfinished).with_context(name)?);
-    let written = match write_ab(file, headers, &WriterOptions::offline(), a, b) {
+    let written = match write_ab(file, headers, &WriterOptions::offline(), a, b, stopped) {
         Ok(_) => fs::rename(&unfinished, path).with_context(name),
         Err(WriteAbError::Run(error)) => Err(error),
         Err(WriteAbError::Log(error)) => Err(anyhow!(error)).with_context(name),

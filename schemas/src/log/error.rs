@@ -47,6 +47,16 @@ pub enum LogError {
         /// Seconds from the start of the session to the last whole message before.
         after: Option<f64>,
     },
+    /// Whoever wrote the log was stopped before the end of the run; the log says so itself.
+    #[error(
+        "the run was stopped before its end, after {}; what stands before is usable: make it again, or work \
+         with that part",
+        reached(*.after)
+    )]
+    Stopped {
+        /// Seconds from the start of the session to the last message.
+        after: Option<f64>,
+    },
     /// A stretch of the log is not what was written.
     #[error(
         "the log is damaged at byte {at_byte}, after {}: {what}; what stands before is usable: copy the log again, or work with that part",
@@ -116,6 +126,7 @@ impl LogError {
         matches!(
             self,
             LogError::Truncated { .. }
+                | LogError::Stopped { .. }
                 | LogError::Damaged { .. }
                 | LogError::Decode { .. }
                 | LogError::Order { .. }

@@ -150,6 +150,12 @@ impl<W: Sink> LogFile<W> {
         Ok(self.mcap.flush()?)
     }
 
+    /// Notes that the runs in the file were stopped before their end.
+    pub(super) fn mark_stopped(&mut self) -> Result<(), LogError> {
+        let name = header::STOPPED.to_owned();
+        Ok(self.mcap.write_metadata(&Metadata { name, metadata: BTreeMap::new() })?)
+    }
+
     pub(super) fn finish(mut self, lanes: &[Lane]) -> Result<(W, Summary), LogError> {
         self.mcap.finish()?;
         let mut sink = self.mcap.into_inner();

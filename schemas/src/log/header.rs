@@ -10,6 +10,8 @@ const OLDEST_VERSION: u32 = 1;
 
 /// Name of the metadata record.
 pub(super) const RUN: &str = "tandem.run";
+/// Name of the metadata record at the end of a log whose writing was stopped before the end of its run.
+pub(super) const STOPPED: &str = "tandem.stopped";
 /// Name of the attachment with every parameter of the controller that drove.
 pub(super) const PARAMS: &str = "params.toml";
 /// Name of the attachment with the scenario.

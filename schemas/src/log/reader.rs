@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::bytes::Bytes;
 use super::encode::decode;
-use super::header::HeadParts;
+use super::header::{self, HeadParts};
 use super::messages::{Item, Message, Messages};
 use super::quick;
 use super::topics::TOPICS;
@@ -33,6 +33,9 @@ impl<R: Read> Opened<R> {
                 Ok(Some(Item::Message(message))) => break Ok(Some(message)),
                 Ok(Some(Item::Metadata)) => {
                     if let Some((name, map)) = parse_metadata(messages.body()) {
+                        if name == header::STOPPED {
+                            break Err(LogError::Stopped { after: None });
+                        }
                         parts.describe(None, name, &map)?;
                         parts_a.describe(Some(Arm::A), name, &map)?;
                     }
@@ -69,7 +72,13 @@ impl<R: Read> Opened<R> {
         loop {
             match self.messages.next()? {
                 Some(Item::Message(message)) => return Ok(Some(message)),
-                Some(Item::Metadata | Item::Attachment) => {}
+                Some(Item::Metadata) => {
+                    let metadata = parse_metadata(self.messages.body());
+                    if metadata.is_some_and(|(name, _)| name == header::STOPPED) {
+                        return Err(LogError::Stopped { after: self.messages.reached_s() });
+                    }
+                }
+                Some(Item::Attachment) => {}
                 None => return Ok(None),
             }
         }

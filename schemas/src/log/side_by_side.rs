@@ -36,6 +36,15 @@ impl<W: Sink> SideBySide<W> {
         self.file.write(&mut self.lanes[arm as usize], event)
     }
 
+    /// Notes that the runs were stopped before their end; to be called last. A reader meets it as
+    /// [`LogError::Stopped`] where the end would be.
+    ///
+    /// # Errors
+    /// The sink refuses.
+    pub fn mark_stopped(&mut self) -> Result<(), LogError> {
+        self.file.mark_stopped()
+    }
+
     /// Ends the log, as [`super::LogWriter::finish`] does.
     ///
     /// # Errors
@@ -57,7 +66,8 @@ pub enum WriteAbError<E> {
 }
 
 /// Writes two runs of one session side by side, merged by log time, each pulled event by event until
-/// it gives `None`; at equal times A comes first. Memory stays bounded.
+/// it gives `None`; at equal times A comes first. Memory stays bounded. `stopped` is asked once both gave
+/// `None`: whether that was before their end, which the log then says.
 ///
 /// # Errors
 /// A run fails, its times do not increase, or the sink refuses. What was written until then is closed
@@ -68,6 +78,7 @@ pub fn write_ab<W: Sink, E>(
     options: &WriterOptions,
     mut a: impl FnMut() -> Result<Option<Stamped<Event>>, E>,
     mut b: impl FnMut() -> Result<Option<Stamped<Event>>, E>,
+    stopped: impl FnOnce() -> bool,
 ) -> Result<(W, Summary), WriteAbError<E>> {
     let mut log = SideBySide::new(sink, headers, options)?;
     let mut next_a = a().map_err(WriteAbError::Run)?;
@@ -89,6 +100,9 @@ pub fn write_ab<W: Sink, E>(
             }
             next_b = b().map_err(WriteAbError::Run)?;
         }
+    }
+    if stopped() {
+        log.mark_stopped()?;
     }
     Ok(log.finish()?)
 }

@@ -445,7 +445,8 @@ impl Replay {
                     let events = std::iter::from_fn(|| recorded.next_event().ok().flatten());
                     Ok(events.take_while(|_| !interrupted.get()).find(inside))
                 };
-                side_by_side::write(&path, [recorded_header, &replayed], recorded, &mut next)?;
+                let headers = [recorded_header, &replayed];
+                side_by_side::write(&path, headers, recorded, &mut next, || interrupted.get())?;
                 Some(path)
             }
         };

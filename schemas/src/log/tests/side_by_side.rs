@@ -36,6 +36,7 @@ fn both(options: &WriterOptions) -> Vec<u8> {
         options,
         pull(&events(25)),
         pull(&b),
+        || false,
     );
     written.expect("a vector takes all").0
 }
@@ -118,6 +119,40 @@ fn a_run_that_goes_back_or_behind_the_other_is_refused() {
     assert!(matches!(log.write(Arm::B, &all[4]), Err(LogError::Order { .. })));
 }
 
+/// Runs that were stopped read to where they were, and then say so; nobody takes them for whole.
+#[test]
+fn runs_that_were_stopped_say_so() {
+    let written = |periods| {
+        let (header, events) = (header(), events(periods));
+        let (a, b) = (pull::<LogError>(&events), pull(&events));
+        write_ab(Vec::new(), [&header, &header], &bare(4096), a, b, || true)
+            .expect("a vector takes all")
+            .0
+    };
+    let log = written(25);
+    for arm in [Arm::A, Arm::B] {
+        let mut reader = LogReader::new(&log[..]).expect("a log").arm(arm).expect("two runs");
+        let mut read = Vec::new();
+        let end = loop {
+            match reader.next_event() {
+                Ok(event) => read.push(event.expect("it says that it was stopped")),
+                Err(error) => break error,
+            }
+        };
+        assert_eq!(text(&read), text(&events(25)));
+        assert!(matches!(end, LogError::Stopped { after: Some(_) }) && end.is_damage(), "{end}");
+        assert!(!reader.is_complete());
+        assert!(matches!(reader.next_event(), Ok(None)));
+    }
+    let info = inspect_source(&log[..]).expect("a log");
+    assert!(!info.complete && matches!(info.damage, Some(LogError::Stopped { .. })));
+    // Everybody else reads a whole MCAP file.
+    let messages = mcap::MessageStream::new(&log).expect("MCAP").map(Result::unwrap).count();
+    assert_eq!(messages, 2 * events(25).len());
+    let nothing = inspect_source(&written(0)[..]).expect("a log");
+    assert!(matches!(nothing.damage, Some(LogError::Stopped { after: None })), "{nothing:?}");
+}
+
 #[test]
 fn a_run_that_fails_is_the_error() {
     let mut count = 0;
@@ -125,7 +160,7 @@ fn a_run_that_fails_is_the_error() {
         count += 1;
         if count < 5 { Ok(events(1).get(count).cloned()) } else { Err("out of paper") }
     };
-    let result =
-        write_ab(Vec::new(), [&header(), &header()], &bare(4096), pull(&events(2)), failing);
+    let heads = [&header(), &header()];
+    let result = write_ab(Vec::new(), heads, &bare(4096), pull(&events(2)), failing, || false);
     assert!(matches!(result, Err(WriteAbError::Run("out of paper"))));
 }
