@@ -1,7 +1,7 @@
 //! One arm of a comparison: a log under one controller.
 
 use std::cell::{Cell, RefCell};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::BufReader;
 use std::panic::{self, AssertUnwindSafe};
@@ -11,7 +11,7 @@ use std::sync::Arc;
 use anyhow::{Context as _, Result, anyhow};
 use compare::{CATALOGUE, Diff, LevelPair, LogPair, Measured, Meter, Tolerances};
 use controller::{Runner, Spec};
-use replay::{Faults, Gains, Mode, Person, PlantDoubt, PlantEstimate, Recording, Replay};
+use replay::{Faults, Gains, Mode, Person, PlantClaim, PlantEstimate, Recording, Replay, Untold};
 use schemas::log::LogReader;
 use schemas::{Event, Header, Reason, Scenario, Stamped, Step, Time};
 
@@ -20,7 +20,7 @@ use crate::command::replay::{PlantName, replay_header};
 use crate::controller_choice::ControllerChoice;
 use crate::explain::trace;
 use crate::fleet::watch;
-use crate::{fleet, interrupt, logs, side_by_side};
+use crate::{faults, fleet, interrupt, logs, side_by_side};
 
 /// A log under one controller, event by event.
 enum Arm {
@@ -32,9 +32,7 @@ enum Arm {
 
 impl Arm {
     fn next_event(&mut self) -> Result<Option<Stamped<Event>>> {
-        if interrupt::pressed() {
-            return Err(anyhow!("interrupted"));
-        }
+        interrupt::check()?;
         match self {
             // What a controller does to itself is the result of its own arm.
             Arm::Replayed(replay) => caught(|| replay.next_event()),
@@ -42,14 +40,14 @@ impl Arm {
         }
     }
 
-    /// Why the arm ended before its log should have, where it did.
-    fn damage(self) -> Result<()> {
-        match self {
-            Arm::Recorded(_) => Ok(()),
-            Arm::Replayed(replay) => match replay.finish()?.damage {
-                None => Ok(()),
-                Some(damage) => Err(anyhow!(damage)),
-            },
+    /// Ends the arm: why it ended before its log should have, where it did, and which faults met nothing.
+    fn finish(self, unmet: &mut BTreeSet<String>) -> Result<()> {
+        let Arm::Replayed(replay) = self else { return Ok(()) };
+        let outcome = replay.finish()?;
+        unmet.extend(outcome.unmet_faults.iter().map(faults::unmet));
+        match outcome.damage {
+            None => Ok(()),
+            Some(damage) => Err(anyhow!(damage)),
         }
     }
 }
@@ -166,8 +164,31 @@ struct Log<'a> {
     header: Header,
     /// The person, for closed loop: read once for all arms and levels.
     recording: Option<Arc<Recording>>,
+    /// What there is to be said of the plant that is driven.
+    plant: PlantWords,
+}
+
+/// What a comparison says of a log's plant.
+#[derive(Default)]
+struct PlantWords {
     /// Where the log contradicts the plant that is driven.
-    plant_doubt: Option<PlantDoubt>,
+    doubt: Option<String>,
+    /// Why it says nothing of it, where it does not.
+    untold: Option<String>,
+}
+
+impl PlantWords {
+    fn of(plant: &DrivenPlant) -> PlantWords {
+        let untold = |why: Untold| PlantWords { doubt: None, untold: Some(why.to_string()) };
+        match plant {
+            DrivenPlant::Claimed(PlantClaim::Contradicted(doubt)) => {
+                PlantWords { doubt: Some(doubt.to_string()), untold: None }
+            }
+            DrivenPlant::Claimed(PlantClaim::Untested(why)) => untold(*why),
+            DrivenPlant::Claimed(PlantClaim::Stands) => PlantWords::default(),
+            DrivenPlant::Identified(found) => found.untold.map(untold).unwrap_or_default(),
+        }
+    }
 }
 
 impl<'a> Log<'a> {
@@ -180,24 +201,33 @@ impl<'a> Log<'a> {
             None => None,
             Some(recording) => Some(driven(path, recording, plant)?),
         };
-        let (recording, plant_doubt) = driven.unzip();
-        let (recording, plant_doubt) = (recording.map(Arc::new), plant_doubt.flatten());
-        Ok(Log { path, header, recording, plant_doubt })
+        let (recording, plant) = driven.unzip();
+        let plant = plant.map_or_else(PlantWords::default, |plant| PlantWords::of(&plant));
+        Ok(Log { path, header, recording: recording.map(Arc::new), plant })
     }
 }
 
-/// A recording on the plant that was asked for, and where its log contradicts that.
+/// The plant that a closed loop drives.
+pub enum DrivenPlant {
+    /// The one that the log claims, and how the log stands to that.
+    Claimed(PlantClaim),
+    /// The one that the log shows, and what it shows of it.
+    Identified(PlantEstimate),
+}
+
+/// A recording on the plant that was asked for.
 pub fn driven(
     path: &Path,
     recording: Recording,
     plant: PlantName,
-) -> Result<(Recording, Option<PlantDoubt>)> {
+) -> Result<(Recording, DrivenPlant)> {
+    let log = logs::open_raw(path)?;
     Ok(match plant {
-        PlantName::Recorded => (recording, PlantEstimate::doubt(logs::open_raw(path)?)),
+        PlantName::Recorded => (recording, DrivenPlant::Claimed(PlantClaim::of_log(log))),
         PlantName::Identified => {
-            let found = PlantEstimate::of_log(logs::open_raw(path)?);
+            let found = PlantEstimate::of_log(log);
             let claimed = recording.header().scenario.plant;
-            (recording.on_plant(found.applied_to(claimed)), None)
+            (recording.on_plant(found.applied_to(claimed)), DrivenPlant::Identified(found))
         }
     })
 }
@@ -212,13 +242,16 @@ pub fn pair(
     plant: PlantName,
 ) -> Result<LogPair> {
     let log = Log::read(path, modes, plant)?;
-    let levels = modes.iter().map(|mode| level(&log, choices, *mode, faults)).collect();
+    let mut unmet = BTreeSet::new();
+    let levels = modes.iter().map(|mode| level(&log, choices, *mode, faults, &mut unmet)).collect();
     Ok(LogPair {
         log: path.display().to_string(),
         operator: log.header.run.operator.clone(),
         hash: logs::hash_file(path)?,
         recorded: if log.recording.is_some() { recorded_by(&log, choices.0)? } else { None },
-        plant_doubt: log.plant_doubt.map(|doubt| doubt.to_string()),
+        plant_doubt: log.plant.doubt,
+        plant_untold: log.plant.untold,
+        unmet_faults: unmet.into_iter().collect(),
         scenario: Some(log.header.scenario),
         levels,
     })
@@ -264,6 +297,7 @@ fn level(
     choices: (&ControllerChoice, &ControllerChoice),
     mode: Mode,
     faults: &Faults,
+    unmet: &mut BTreeSet<String>,
 ) -> LevelPair {
     let mut level = LevelPair::failed("");
     if let Mode::Closed(person) = mode {
@@ -275,7 +309,7 @@ fn level(
             let a = Side::new(&log.header, choices.0, a, None);
             let b = Side::new(&log.header, choices.1, b, Some(&a));
             let sides = [a, b];
-            let (a, b, diff, horizon_s) = walk(log.header.run.start, sides);
+            let (a, b, diff, horizon_s) = walk(log.header.run.start, sides, unmet);
             level.horizon_s = horizon_s;
             let text = |result: Result<Measured>| result.map_err(|error| format!("{error:#}"));
             (level.a, level.b) = (text(a), text(b));
@@ -298,6 +332,7 @@ fn level(
 fn walk(
     start: Time,
     [a, b]: [Side; 2],
+    unmet: &mut BTreeSet<String>,
 ) -> (Result<Measured>, Result<Measured>, Result<Diff>, Option<f64>) {
     let diff = compare::diff::<anyhow::Error, _>(
         &Tolerances::exact(),
@@ -305,7 +340,7 @@ fn walk(
         (start, || Ok(b.next_event())),
     );
     let horizon_s = [a.horizon_s(), b.horizon_s()].into_iter().flatten().min_by(f64::total_cmp);
-    (a.finish(), b.finish(), diff, horizon_s)
+    (a.finish(unmet), b.finish(unmet), diff, horizon_s)
 }
 
 /// An arm with its meter.
@@ -407,11 +442,12 @@ impl Side {
         }
     }
 
-    fn finish(self) -> Result<Measured> {
+    fn finish(self, unmet: &mut BTreeSet<String>) -> Result<Measured> {
         if let Some(error) = self.failed.into_inner() {
             return Err(error);
         }
-        self.arm.into_inner().damage().context("only part of the log could be replayed")?;
+        let finished = self.arm.into_inner().finish(unmet);
+        finished.context("only part of the log could be replayed")?;
         Ok(self.meter.into_inner().finish()?)
     }
 }

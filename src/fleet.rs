@@ -12,7 +12,8 @@ use anyhow::{Result, anyhow};
 use indicatif::ProgressBar;
 
 use crate::cli::Common;
-use crate::{interrupt, output};
+use crate::interrupt::{self, Interrupted};
+use crate::output;
 
 /// How many threads work, and a bar for what they have done.
 fn staff(common: &Common, count: usize, label: &str) -> (usize, ProgressBar) {
@@ -24,7 +25,7 @@ fn staff(common: &Common, count: usize, label: &str) -> (usize, ProgressBar) {
 /// Works on one item. A panic is its result.
 fn attempt<I, T>(item: &I, work: impl Fn(&I) -> Result<T>) -> Result<T> {
     if interrupt::pressed() {
-        return Err(anyhow!("interrupted before this log was begun"));
+        return Err(Interrupted::NotBegun.into());
     }
     panic::catch_unwind(AssertUnwindSafe(|| work(item)))
         .unwrap_or_else(|_| Err(anyhow!("a fault of the program; please report it")))

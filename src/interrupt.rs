@@ -2,6 +2,24 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// What was under way, or not yet begun, when Ctrl-C was pressed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Interrupted {
+    /// It was ended on the way.
+    #[error("interrupted")]
+    UnderWay,
+    /// It was not begun.
+    #[error("interrupted before this log was begun")]
+    NotBegun,
+}
+
+impl Interrupted {
+    /// Whether an error comes of Ctrl-C.
+    pub fn caused(error: &anyhow::Error) -> bool {
+        error.chain().any(<dyn std::error::Error>::is::<Interrupted>)
+    }
+}
+
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// Notes Ctrl-C (and a request to terminate) instead of dying of it. A second one ends the program
@@ -20,7 +38,7 @@ pub fn install() {
 
 /// Ends what is under way, where it has nothing to finish.
 pub fn check() -> anyhow::Result<()> {
-    anyhow::ensure!(!pressed(), "interrupted");
+    anyhow::ensure!(!pressed(), Interrupted::UnderWay);
     Ok(())
 }
 

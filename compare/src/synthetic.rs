@@ -179,6 +179,8 @@ pub(crate) fn pair(log: &str, a: &Run, b: &Run) -> crate::LogPair {
     );
     crate::LogPair {
         plant_doubt: None,
+        plant_untold: None,
+        unmet_faults: Vec::new(),
         log: log.to_owned(),
         operator: String::new(),
         hash: String::new(),

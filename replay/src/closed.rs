@@ -191,7 +191,9 @@ impl<R: Read> ClosedLoop<R> {
         // A person of whom something is missing is not the recorded one.
         self.tally.damage = self.tally.damage.or_else(|| self.watch.recording().unreadable());
         let alone = matches!(self.beside, Beside::Until(..));
+        let unmet_faults = self.session.source_mut().unmet();
         let mut outcome = self.tally.finish()?;
+        outcome.unmet_faults = unmet_faults;
         // Without the log beside there is nothing to judge the way by.
         outcome.warm_up = self.warm_up.filter(|_| !alone).map(|[heard, recorded]| {
             if heard.hex() == recorded.hex() { WarmUp::Exact } else { WarmUp::Differs }

@@ -83,6 +83,8 @@ pub(crate) struct Faulty<S> {
     /// What the joystick said when it froze, while it is frozen.
     stuck: Option<[f64; 2]>,
     delayed: Delayed,
+    /// By fault, whether there was anything for it to change.
+    met: Vec<bool>,
 }
 
 impl<S: Source> Faulty<S> {
@@ -95,11 +97,19 @@ impl<S: Source> Faulty<S> {
             counts: [0; 5],
             stuck: None,
             delayed: Delayed::default(),
+            met: Vec::new(),
         }
     }
 
     pub(crate) fn put(&mut self, faults: Faults) {
+        self.met = vec![false; faults.faults.len()];
         self.faults = faults;
+    }
+
+    /// The faults that have met nothing that they could change.
+    pub(crate) fn unmet(&self) -> Vec<Fault> {
+        let faults = self.faults.faults.iter().zip(&self.met);
+        faults.filter(|(_, met)| !**met).map(|(fault, _)| *fault).collect()
     }
 
     /// Lets streams fall silent as they did in a recording.
@@ -135,6 +145,9 @@ impl<S: Source> Faulty<S> {
         self.counts[kind] += 1;
         let mut late_s = 0.0;
         for (number, fault) in self.faults.faults.iter().enumerate() {
+            if !self.met[number] {
+                self.met[number] = fault.meets(sample, self.start);
+            }
             let draw = Stream::new(self.faults.seed, Purpose::Fault(number as u8)).reading(index);
             match (fault, &mut *sample) {
                 (Fault::SonarDropout(share), Sample::Sonar(scan)) => {

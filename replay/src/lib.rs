@@ -38,7 +38,7 @@ pub use horizon::Horizon;
 pub use human::{Gains, Person, Reaction};
 pub use map::Map;
 pub use outcome::{Deviation, Outcome};
-pub use plant::{AxisDoubt, Estimate, PlantDoubt, PlantEstimate};
+pub use plant::{AxisDoubt, Estimate, PlantClaim, PlantDoubt, PlantEstimate, Untold};
 pub use recorded::setup;
 pub use recording::Recording;
 pub use window::{WarmUp, Window};

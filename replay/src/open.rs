@@ -139,10 +139,11 @@ impl<R: Read> OpenLoop<R> {
         self.session.runner()
     }
 
-    pub(crate) fn finish(self) -> Result<Outcome, ReplayError> {
+    pub(crate) fn finish(mut self) -> Result<Outcome, ReplayError> {
         let part = self.between.from > self.start;
+        let unmet_faults = self.session.source_mut().unmet();
         let outcome = self.tally.finish()?;
         // The log itself led up to the beginning.
-        Ok(Outcome { warm_up: part.then_some(WarmUp::Exact), ..outcome })
+        Ok(Outcome { warm_up: part.then_some(WarmUp::Exact), unmet_faults, ..outcome })
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use schemas::log::LogError;
 use schemas::{Event, Field, Stamped, Step, Time, Value, wrap};
 
-use crate::{Covered, Horizon, OutputHash, ReplayError, WarmUp};
+use crate::{Covered, Fault, Horizon, OutputHash, ReplayError, WarmUp};
 
 /// The largest difference between a replayed and a recorded step.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +35,10 @@ pub struct Outcome {
     pub max_deviation: Option<Deviation>,
     /// Simulated or replayed time, seconds.
     pub duration_s: f64,
+    /// The last thing that was replayed, seconds from the start of the session.
+    pub end_s: f64,
+    /// The faults that met nothing that they could change: the log has no such sensor, say.
+    pub unmet_faults: Vec<Fault>,
     /// Why the replay ended before the log should have, where it did.
     pub damage: Option<String>,
     /// Closed loop: when the simulated run parted from the recorded one.
@@ -193,6 +197,8 @@ impl Tally {
             recorded_hash,
             max_deviation: self.deviation,
             duration_s: self.last.seconds_since(self.first.unwrap_or(self.start)),
+            end_s: self.last.seconds_since(self.start),
+            unmet_faults: Vec::new(),
             damage: self.damage.map(|damage| damage.to_string()),
             horizon: None,
             furthest: None,

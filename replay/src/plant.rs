@@ -17,12 +17,12 @@ mod response;
 
 use std::io::Read;
 
-pub use doubt::{AxisDoubt, PlantDoubt};
+pub use doubt::{AxisDoubt, PlantClaim, PlantDoubt};
 
 use schemas::log::{LogReader, Topic};
 use schemas::{Event, Plant, Sample, Time};
 
-use response::{Course, Fit};
+use response::{Course, Fit, too_short};
 
 /// As much of a log is looked at, seconds: it tells enough, and memory stays bounded.
 const LOOK_S: f64 = 120.0;
@@ -63,6 +63,25 @@ pub struct PlantEstimate {
     pub alpha_radps2: Option<Estimate>,
     /// Share of the wheels' motion that does not become the robot's.
     pub slip: Option<Estimate>,
+    /// Why it says nothing at all, where it does not.
+    pub untold: Option<Untold>,
+}
+
+/// Why a log says nothing about its plant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Untold {
+    /// Nobody commanded anything.
+    #[error("the log holds no command")]
+    NoCommand,
+    /// Nobody looked at what the robot did.
+    #[error("the log holds neither encoder readings nor exact poses")]
+    NoMotion,
+    /// A robot at rest, or in steady motion, is like any other.
+    #[error("commands hardly change in it")]
+    AtRest,
+    /// There is too little of it.
+    #[error("the log is too short")]
+    Short,
 }
 
 impl PlantEstimate {
@@ -70,13 +89,6 @@ impl PlantEstimate {
     pub fn of_log<R: Read>(log: LogReader<R>) -> PlantEstimate {
         let seen = Seen::in_log(log);
         seen.estimate_of(&seen.fits())
-    }
-
-    /// What a log shows where it is clearly at odds with the plant that it claims; `None` where it is not, or
-    /// says nothing of it.
-    pub fn doubt<R: Read>(log: LogReader<R>) -> Option<PlantDoubt> {
-        let claimed = log.header().scenario.plant;
-        Seen::in_log(log).doubt(&claimed)
     }
 
     /// A plant with everything that the log shows in place of what was claimed.
@@ -202,22 +214,39 @@ impl Seen {
                 high: limit.high / share,
             })
         };
+        let slip = if self.exact {
+            // With exact rays nobody sees the wheels: what the robot lacks of its command is slip.
+            narrower(gain_v, gain_omega).map(|gain| Estimate {
+                value: 1.0 - gain.value,
+                low: 1.0 - gain.high,
+                high: 1.0 - gain.low,
+            })
+        } else {
+            slip(&self.turns)
+        };
+        let says = gain_v.or(gain_omega).or(slip).is_some();
         PlantEstimate {
             gain_v,
             gain_omega,
             delay_s: narrower(of(0, |fit| fit.delay_s), of(1, |fit| fit.delay_s)),
             accel_mps2: of_wheels(of(0, |fit| fit.limit), gain_v),
             alpha_radps2: of_wheels(of(1, |fit| fit.limit), gain_omega),
-            // With exact rays nobody sees the wheels: what the robot lacks of its command is slip.
-            slip: if self.exact {
-                narrower(gain_v, gain_omega).map(|gain| Estimate {
-                    value: 1.0 - gain.value,
-                    low: 1.0 - gain.high,
-                    high: 1.0 - gain.low,
-                })
-            } else {
-                slip(&self.turns)
-            },
+            slip,
+            untold: (!says).then(|| self.untold()),
+        }
+    }
+
+    /// Why nothing can be said of it.
+    fn untold(&self) -> Untold {
+        let none = |courses: &[Course; 2]| courses.iter().all(Course::is_empty);
+        if none(&self.commands) {
+            Untold::NoCommand
+        } else if none(&self.wheels) {
+            Untold::NoMotion
+        } else if (0..2).all(|axis| too_short(&self.commands[axis], &self.wheels[axis])) {
+            Untold::Short
+        } else {
+            Untold::AtRest
         }
     }
 }

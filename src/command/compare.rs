@@ -79,7 +79,7 @@ pub struct Compare {
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
     /// With --report: of how many logs, those with most to see, both arms go side by side into a log
-    #[arg(long, value_name = "N", default_value_t = 3)]
+    #[arg(long, value_name = "N", default_value_t = 3, requires = "report")]
     pub ab: u16,
     /// Append the Markdown report to this file, for a step summary
     #[arg(long, value_name = "FILE")]
@@ -112,8 +112,8 @@ impl Compare {
                  of safety and motion, and no gate on them can fail; --mode closed asks about those",
             );
         }
-        if let Some(doubts) = comparison.plant_doubts() {
-            output::note(&format!("warning: {}", doubts.trim_start_matches("! ")));
+        for warning in comparison.plant_doubts().into_iter().chain(comparison.unmet_faults()) {
+            output::note(&format!("warning: {warning}"));
         }
         output::print(common, &comparison, report::terminal)?;
         if interrupt::pressed() {
@@ -171,9 +171,10 @@ impl Compare {
         ensure!(!self.logs.is_empty() || self.b.is_none(), "no log to compare A and B on");
         self.refuse_copies()?;
         let faults = self.faults.faults()?;
+        self.mode.refuse_without_effect(self.human, self.plant)?;
         ensure!(
-            self.plant == PlantName::Recorded || (self.mode == ModeName::Closed && !self.self_test),
-            "--plant goes with a comparison of logs in closed loop"
+            self.plant == PlantName::Recorded || !self.self_test,
+            "--self-test drives the plant that each log claims: leave out --plant identified"
         );
         let recorded = [&self.a, self.b()].contains(&&ControllerChoice::Recorded);
         ensure!(
@@ -280,6 +281,8 @@ impl Compare {
                     scenario: None,
                     recorded: None,
                     plant_doubt: None,
+                    plant_untold: Some("it could not be read".to_owned()),
+                    unmet_faults: Vec::new(),
                     levels: vec![LevelPair::failed(&format!("{error:#}"))],
                 })
             })

@@ -71,10 +71,11 @@ impl Map {
         let view = self.output.with_extension("mcap");
         let scenario_file = self.output.extension().is_some_and(|end| end == "toml");
         ensure!(scenario_file, "{}: a scenario is a .toml file", self.output.display());
-        for path in [&self.output, &view] {
-            logs::guard_input(path, &self.log)?;
-            logs::guard(path, common.force)?;
-        }
+        logs::guard_input(&self.output, &self.log)?;
+        logs::guard(&self.output, common.force)?;
+        let beside = || format!("beside {} goes a log to look at it by", self.output.display());
+        logs::guard_input(&view, &self.log).with_context(beside)?;
+        logs::guard(&view, common.force).with_context(beside)?;
         let (map, plant) = of_log(&self.log)?;
         let name = self.output.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into());
         let scenario = Scenario { name, ..map.scenario() };

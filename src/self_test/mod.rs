@@ -257,6 +257,8 @@ impl Ask {
             scenario: Some(header.scenario.clone()),
             recorded: None,
             plant_doubt: None,
+            plant_untold: Some("it was not asked".to_owned()),
+            unmet_faults: Vec::new(),
             levels: vec![LevelPair {
                 human: self.person.name().to_owned(),
                 estimates: self.person.is_estimate(),

@@ -108,6 +108,82 @@ fn arguments_that_mean_nothing() {
     }
 }
 
+/// Options that would do nothing are refused with the way out, not passed over.
+#[test]
+fn options_without_effect() {
+    let here = Workplace::new();
+    here.record("log.mcap", "--scenario case1 --duration 2");
+    let compare = "compare --a human --b tandem-kinematic log.mcap";
+    for (line, option, way_out) in [
+        ("replay log.mcap --human fitted".to_owned(), "--human", "--mode closed"),
+        ("replay log.mcap --plant identified".to_owned(), "--plant", "--mode closed"),
+        ("replay log.mcap --world map".to_owned(), "--world", "--mode closed"),
+        ("replay log.mcap --floor".to_owned(), "--floor", "--mode closed"),
+        ("replay log.mcap --fault-seed 3".to_owned(), "--fault-seed", "--fault"),
+        ("replay log.mcap --mode closed --fault-seed 0".to_owned(), "--fault-seed", "--fault"),
+        (format!("{compare} --mode open --human ladder"), "--human", "--mode closed"),
+        (format!("{compare} --mode open --plant identified"), "--plant", "--mode closed"),
+        (format!("{compare} --fault-seed 1"), "--fault-seed", "--fault"),
+    ] {
+        let run = here.tandem(&line).exits(2);
+        let error = run.error_line();
+        assert!(error.contains(option) && error.contains(way_out), "`{line}`: {error}");
+    }
+    let run = here.tandem(&format!("{compare} --ab 1")).exits(2);
+    assert!(run.stderr.contains("--report"), "{}", run.stderr);
+    for line in
+        ["--floor --plant identified --human fitted", "--world map --fault-seed 3 --fault jitter=0"]
+    {
+        here.record("sonar.mcap", "--scenario case1-lab --duration 5 --force");
+        here.tandem(&format!("replay sonar.mcap --mode closed {line}")).succeeds();
+    }
+}
+
+/// A fault that meets nothing is told, where the result alone would look as if nothing mattered.
+#[test]
+fn faults_that_meet_nothing() {
+    let here = Workplace::new();
+    here.record("exact.mcap", "--scenario case1 --duration 3");
+    here.record("sonar.mcap", "--scenario case1-lab --duration 3");
+    let says = "--fault sonar-dead=3 changed nothing: there was no reading of sonar 3";
+    for mode in ["open", "closed", "closed --human ladder"] {
+        let replay = format!("replay --mode {mode} --fault sonar-dead=3 exact.mcap sonar.mcap");
+        let run = here.tandem(&format!("{replay} --format json")).succeeds();
+        let warnings: Vec<&str> = run.stderr.lines().filter(|l| l.contains("warning")).collect();
+        assert_eq!(warnings, [format!("warning: exact.mcap: {says}")], "{}", run.stderr);
+        for run in run.json()["runs"].as_array().unwrap() {
+            let unmet = run["unmet_faults"].as_array().unwrap();
+            assert_eq!(unmet.len(), usize::from(run["log"] == "exact.mcap"), "{run}");
+        }
+        let text = here.tandem(&replay).succeeds().stdout;
+        assert!(text.contains(&format!("fault        ! {says}")), "{text}");
+    }
+    let compare =
+        "compare --a human --b tandem-kinematic --fault sonar-dead=3 exact.mcap sonar.mcap";
+    let run = here.tandem(&format!("{compare} --format json"));
+    assert!(run.stderr.contains(&format!("warning: {says} in 1 of 2 logs")), "{}", run.stderr);
+    assert_eq!(run.json()["logs"][0]["unmet_faults"], serde_json::json!([says]));
+    assert!(run.json()["logs"][1]["unmet_faults"].is_null());
+    let run = here.tandem("replay exact.mcap --fault sonar-dead=20").exits(2);
+    assert!(run.stderr.contains("from 0 to 15"), "{}", run.stderr);
+}
+
+#[test]
+fn an_end_beyond_the_end() {
+    let here = Workplace::new();
+    here.record("log.mcap", "--scenario case1 --duration 4");
+    for mode in ["open", "closed"] {
+        let replay = format!("replay --mode {mode} log.mcap");
+        let run = here.tandem(&format!("{replay} --to 9")).succeeds();
+        let says = "warning: log.mcap: --to 9 is beyond its end at 4.00 s";
+        assert!(run.stderr.contains(says), "{mode}: {}", run.stderr);
+        for to in ["4", "4.05", "2.5"] {
+            let run = here.tandem(&format!("{replay} --to {to}")).succeeds();
+            assert!(!run.stderr.contains("warning"), "{mode} {to}: {}", run.stderr);
+        }
+    }
+}
+
 #[test]
 fn another_control_period_in_open_loop() {
     let here = Workplace::new();
@@ -169,6 +245,17 @@ fn two_logs_for_one_output() {
     }
     let run = here.tandem("replay p/log.mcap q/log.mcap -o out --force").exits(2);
     assert!(run.error_line().contains("both be written"), "{}", run.stderr);
+    // The name is the one that it would be.
+    assert!(run.stderr.contains("out/log.tandem-kinematic.mcap"), "{}", run.stderr);
+    let run = here.tandem("replay p/log.mcap p/log.mcap -o out").exits(2);
+    assert!(run.error_line().contains("p/log.mcap is named twice"), "{}", run.stderr);
+    fs::rename(here.path("q/log.mcap"), here.path("other.mcap")).unwrap();
+    for several in ["p/log.mcap other.mcap", "other.mcap --mode closed --human ladder"] {
+        let run = here.tandem(&format!("replay {several} -o both.mcap")).exits(2);
+        let line = run.error_line();
+        assert!(line.contains("both.mcap: several results") && line.contains("-o both"), "{line}");
+        assert!(!here.path("both.mcap").exists());
+    }
 }
 
 #[test]

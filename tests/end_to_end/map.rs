@@ -87,7 +87,10 @@ fn what_cannot_be_mapped_is_said() {
         ("map exact.mcap -o x.toml", "no echo of a sonar"),
         ("map log.mcap -o x.txt", "a scenario is a .toml file"),
         ("map nowhere.mcap -o x.toml", "nowhere.mcap"),
-        ("map log.mcap -o log.toml", "is the input"),
+        (
+            "map log.mcap -o log.toml",
+            "beside log.toml goes a log to look at it by: log.mcap is the input",
+        ),
         ("replay log.mcap --world map", "--mode closed"),
         ("replay exact.mcap --mode closed --world map", "no echo of a sonar"),
         ("replay log.mcap --mode closed --world bad.toml", "bad.toml"),
@@ -99,6 +102,10 @@ fn what_cannot_be_mapped_is_said() {
     here.tandem("map log.mcap -o room.toml").succeeds();
     let again = here.tandem("map log.mcap -o room.toml").exits(2);
     assert!(again.error_line().contains("--force"), "{}", again.stderr);
+    fs::remove_file(here.path("room.toml")).unwrap();
+    let beside = here.tandem("map log.mcap -o room.toml").exits(2);
+    assert!(beside.error_line().contains("beside room.toml"), "{}", beside.stderr);
+    assert!(beside.error_line().contains("room.mcap exists"), "{}", beside.stderr);
 }
 
 /// A log that ends early is mapped as far as it goes, and that is said.

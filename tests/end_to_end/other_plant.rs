@@ -46,8 +46,11 @@ fn a_plant_that_the_log_contradicts_is_told_loudly() {
     let warnings: Vec<&str> = run.stderr.lines().filter(|l| l.starts_with("warning: ")).collect();
     assert_eq!(warnings.len(), 1, "{}", run.stderr);
     assert!(warnings[0].contains("late.mcap") && warnings[0].contains("--plant identified"));
-    let text = here.tandem("replay --mode closed late.mcap").succeeds().stdout;
+    let run = here.tandem("replay --mode closed late.mcap").succeeds();
+    let text = run.stdout;
     assert!(text.contains("plant        ! the log contradicts the plant that it claims"), "{text}");
+    // The numbers stand with the result, and there alone.
+    assert!(text.contains("delay 0.2") && !run.stderr.contains("delay"), "{}", run.stderr);
     // The way out leads out. An open loop drives nothing; that the controller, which goes by the claimed plant
     // too, says something else than it did is another matter, and the exit status tells it.
     for (way, status) in [("--mode closed --plant identified", 0), ("--mode open", 1)] {
@@ -55,6 +58,26 @@ fn a_plant_that_the_log_contradicts_is_told_loudly() {
         assert!(run.json()["runs"][0]["plant_doubt"].is_null(), "{}", run.stdout);
         assert!(!run.stderr.contains("warning"), "{}", run.stderr);
     }
+}
+
+/// Where nothing can be identified, that is said with the reason; a comparison does not say of such a log that it
+/// holds to its plant.
+#[test]
+fn a_plant_that_does_not_show() {
+    let here = Workplace::new();
+    here.record("short.mcap", "--scenario case1-lab --duration 0.5");
+    let replay = "replay --mode closed --plant identified short.mcap";
+    let text = here.tandem(replay).succeeds().stdout;
+    let says = "plant        as claimed: nothing could be identified, since the log is too short";
+    assert!(text.contains(says), "{text}");
+    let json = here.tandem(&format!("{replay} --format json")).succeeds().json();
+    assert_eq!(json["runs"][0]["plant"]["untold"], "the log is too short");
+    let both = "compare --a tandem-kinematic --b tandem-kinematic:gamma3=2.1 short.mcap";
+    here.tandem(&format!("{both} --report out --ab 0"));
+    let text = fs::read_to_string(here.path("out/report.html")).unwrap();
+    let says =
+        "as claimed, and untested: no log says anything of it (short.mcap: the log is too short)";
+    assert!(text.contains(says), "{text}");
 }
 
 #[test]
@@ -93,8 +116,8 @@ fn fixtures_are_what_they_claim_to_be() {
     for folder in fs::read_dir(crate::program::fixtures()).unwrap() {
         let session = folder.unwrap().path().join("session.mcap");
         if session.is_file() {
-            let doubt = replay::PlantEstimate::doubt(LogReader::open(&session).unwrap());
-            assert!(doubt.is_none(), "{}: {}", session.display(), doubt.unwrap());
+            let claim = replay::PlantClaim::of_log(LogReader::open(&session).unwrap());
+            assert_eq!(claim, replay::PlantClaim::Stands, "{}", session.display());
         }
     }
 }

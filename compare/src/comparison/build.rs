@@ -79,6 +79,10 @@ pub struct LogPair {
     /// Where the log is clearly at odds with the plant that it claims, and both arms drove that one: what it
     /// shows instead, in a sentence.
     pub plant_doubt: Option<String>,
+    /// Why the log says nothing of its plant, or nobody asked it; `None` where it does.
+    pub plant_untold: Option<String>,
+    /// The faults that met nothing in the log that they could change, each with what there was none of.
+    pub unmet_faults: Vec<String>,
     /// The levels of the ladder, in the same order for every log; at least one.
     pub levels: Vec<LevelPair>,
 }
@@ -228,6 +232,8 @@ fn log_result(log: &LogPair, cluster: String) -> LogResult {
         indicative: super::Indication::default(),
         first_cause: None,
         plant_doubt: log.plant_doubt.clone(),
+        plant_untold: log.plant_untold.clone(),
+        unmet_faults: log.unmet_faults.clone(),
         side_by_side: None,
     };
     let wholes = match log.whole() {

@@ -153,6 +153,12 @@ pub struct LogResult {
     /// What the log shows of its plant where that clearly contradicts its claim, which both arms drove.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plant_doubt: Option<String>,
+    /// Why the log says nothing of its plant, where it does not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plant_untold: Option<String>,
+    /// The faults that met nothing in the log that they could change, each with what there was none of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unmet_faults: Vec<String>,
     /// The log in which both arms stand side by side, from where the report is; `None` without one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub side_by_side: Option<String>,
@@ -435,11 +441,36 @@ impl Comparison {
         let (log, doubt) = doubts.first()?;
         let more = if doubts.len() > 1 { ", and others likewise" } else { "" };
         Some(format!(
-            "! in {} of {} logs the robot was another one than both arms drove: {log}: {doubt}{more}; \
+            "in {} of {} logs the robot was another one than both arms drove: {log}: {doubt}{more}; \
              --plant identified drives what each log shows",
             doubts.len(),
             self.logs.len()
         ))
+    }
+
+    /// The logs that say nothing of their plant, in words; `None` where every log does.
+    pub fn plants_untold(&self) -> Option<String> {
+        let untold: Vec<(&str, &str)> = self
+            .logs
+            .iter()
+            .filter_map(|log| Some((log.log.as_str(), log.plant_untold.as_deref()?)))
+            .collect();
+        let (log, why) = untold.first()?;
+        let all = self.logs.len();
+        Some(match untold.len() {
+            none if none == all => format!("no log says anything of it ({log}: {why})"),
+            some => format!("{some} of {all} logs say nothing of it ({log}: {why})"),
+        })
+    }
+
+    /// The faults that met nothing that they could change, each with the number of logs, in words.
+    pub fn unmet_faults(&self) -> Vec<String> {
+        let mut faults: BTreeMap<&str, usize> = BTreeMap::new();
+        for fault in self.logs.iter().flat_map(|log| &log.unmet_faults) {
+            *faults.entry(fault).or_default() += 1;
+        }
+        let all = self.logs.len();
+        faults.into_iter().map(|(fault, n)| format!("{fault} in {n} of {all} logs")).collect()
     }
 
     /// How many logs could not be compared.

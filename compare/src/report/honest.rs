@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::number::{number, with_unit};
+use super::warned;
 use crate::comparison::Comparison;
 
 /// One thing that bears on how far to believe the rest.
@@ -90,12 +91,25 @@ fn horizon(comparison: &Comparison) -> Caveat {
 }
 
 fn plant(comparison: &Comparison) -> Caveat {
-    let state = match comparison.plant_doubts() {
-        Some(doubts) => doubts,
-        None if comparison.human.is_empty() => "as recorded".to_owned(),
-        None if comparison.plant == "identified" => "identified from each log".to_owned(),
-        None if comparison.plant.is_empty() => "not looked at".to_owned(),
-        None => "as claimed; no log contradicts it".to_owned(),
+    let untold = comparison.plants_untold();
+    let state = match (comparison.plant_doubts(), untold) {
+        (Some(doubts), None) => warned(&doubts),
+        (Some(doubts), Some(untold)) => warned(&format!("{doubts}; {untold}")),
+        (None, _) if comparison.human.is_empty() => "as recorded".to_owned(),
+        (None, _) if comparison.plant.is_empty() => "not looked at".to_owned(),
+        (None, untold) if comparison.plant == "identified" => match untold {
+            None => "identified from each log".to_owned(),
+            Some(untold) => {
+                format!("identified from each log that shows it, else as claimed; {untold}")
+            }
+        },
+        (None, None) => "as claimed; every log was tested, and none contradicts it".to_owned(),
+        (None, Some(untold)) if comparison.logs.iter().all(|log| log.plant_untold.is_some()) => {
+            format!("as claimed, and untested: {untold}")
+        }
+        (None, Some(untold)) => {
+            format!("as claimed; no log that was tested contradicts it, {untold}")
+        }
     };
     Caveat {
         what: "plant",

@@ -35,3 +35,8 @@ pub use metrics_text::{catalogue_text, metrics_text, summary_text};
 pub(crate) use number::seconds;
 pub use number::{number, signed, told_apart, with_unit};
 pub use terminal::terminal;
+
+/// What nobody is to overlook, marked alike in every report.
+fn warned(text: &str) -> String {
+    format!("! {text}")
+}

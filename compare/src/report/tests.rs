@@ -11,7 +11,7 @@ use super::{
     terminal,
 };
 use crate::synthetic::{Run, block, pair, question, scenario, task};
-use crate::{CATALOGUE, Comparison, LogPair, Verdict, compare};
+use crate::{CATALOGUE, Comparison, LogPair, Question, Verdict, compare};
 
 /// A run of three seconds in a room with a block and a walker: the feedback law takes over after
 /// `human_s` and halves the speed.
@@ -539,4 +539,47 @@ fn the_catalogue_explains_every_metric() {
     for metric in CATALOGUE {
         assert!(text.contains(metric.name) && text.contains(metric.formula));
     }
+}
+
+/// What a report says of the plants: that no log contradicts its own is said of those that were tested only.
+#[test]
+fn the_plant_is_told_as_far_as_it_was_tested() {
+    let told = |plants: &[(&str, Option<&str>, Option<&str>)], plant: &str| {
+        let logs = plants.iter().map(|(log, doubt, untold)| LogPair {
+            plant_doubt: doubt.map(str::to_owned),
+            plant_untold: untold.map(str::to_owned),
+            ..pair(log, &arm(2.0, 0.2), &arm(1.0, 0.2))
+        });
+        let human = vec!["playback".to_owned()];
+        let question = Question { human, plant: plant.to_owned(), ..question() };
+        let comparison = compare(&question, logs.collect()).expect("the controllers engage");
+        let rows = super::honest::caveats(&comparison);
+        rows.into_iter().find(|row| row.what == "plant").expect("there is such a row").state
+    };
+    let (sound, still) = (("a", None, None), ("b", None, Some("it stands still")));
+    let other = ("c", Some("it slips"), None);
+    let tested = told(&[sound, sound], "recorded");
+    assert_eq!(tested, "as claimed; every log was tested, and none contradicts it");
+    let part = told(&[sound, still], "recorded");
+    let says = "1 of 2 logs say nothing of it (b: it stands still)";
+    assert_eq!(part, format!("as claimed; no log that was tested contradicts it, {says}"));
+    let none = told(&[still, still], "recorded");
+    let nothing = "no log says anything of it (b: it stands still)";
+    assert_eq!(none, format!("as claimed, and untested: {nothing}"));
+    for untested in [part, none] {
+        assert!(!untested.contains("every log"), "{untested}");
+    }
+    let doubted = told(&[other, sound], "recorded");
+    assert!(
+        doubted.starts_with("! in 1 of 2 logs") && doubted.contains("c: it slips"),
+        "{doubted}"
+    );
+    assert!(told(&[other, still], "recorded").ends_with(says));
+    assert_eq!(told(&[sound], "identified"), "identified from each log");
+    let identified = told(&[still], "identified");
+    assert_eq!(
+        identified,
+        format!("identified from each log that shows it, else as claimed; {nothing}")
+    );
+    assert_eq!(told(&[sound], ""), "not looked at");
 }

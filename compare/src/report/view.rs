@@ -8,6 +8,7 @@ use super::number::{number, seconds, signed, with_unit};
 use super::self_test::{SelfTestView, self_test};
 use super::swaps::{SwapRow, swap_rows};
 use super::table::Align;
+use super::warned;
 use crate::comparison::{
     Arm, Comparison, Gate, Indication, LogStatus, MetricChange, Moment, ViolationRecord,
 };
@@ -211,7 +212,7 @@ fn facts(comparison: &Comparison) -> Vec<(&'static str, String)> {
         facts.push(("human", comparison.human.join(", ")));
     }
     if let Some(doubts) = comparison.plant_doubts() {
-        facts.push(("plant", doubts));
+        facts.push(("plant", warned(&doubts)));
     } else if comparison.plant == "identified" {
         facts.push(("plant", "identified from each log".to_owned()));
     }

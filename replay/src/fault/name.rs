@@ -1,7 +1,10 @@
 //! The faults there are, and how they are asked for.
 
 use std::fmt::{self, Display, Formatter};
+use std::ops::RangeInclusive;
 use std::str::FromStr;
+
+use schemas::{SONARS, Sample, Time};
 
 /// One fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,12 +48,29 @@ pub const FAULTS: &[(&str, &str)] = &[
     ("joystick-freeze=FROM-TO", "a joystick that is stuck, seconds from the start"),
 ];
 
+/// What a value may be.
+const SHARE: &str = "a share from 0 to 1";
+const SECONDS: &str = "seconds, 0 or more";
+const NUMBER: &str = "a finite number";
+const SONAR: &str = "the number of a sonar, from 0 to 15";
+const FROM_TO: &str = "FROM-TO, both seconds, 0 or more, FROM before TO";
+
 /// A fault that does not do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum BadFault {
-    /// There is none of that name, or its value is none.
+    /// There is none of that name.
     #[error("bad fault {0:?}: expected one of {names}", names = names())]
     Unknown(String),
+    /// Its value is none, or beyond what it may be.
+    #[error("bad fault {name}={value}: the value of {name} is {allowed}")]
+    Value {
+        /// The fault.
+        name: String,
+        /// What was asked for.
+        value: String,
+        /// What may be.
+        allowed: &'static str,
+    },
     /// It would be over before it begins.
     #[error(
         "bad fault {0:?}: it ends before it begins; write joystick-freeze=FROM-TO, FROM before TO"
@@ -69,39 +89,48 @@ impl FromStr for Fault {
     type Err = BadFault;
 
     fn from_str(text: &str) -> Result<Fault, BadFault> {
-        let bad = || BadFault::Unknown(text.to_owned());
-        let (name, value) = text.split_once('=').ok_or_else(bad)?;
-        let number = |value: &str| {
-            value.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(bad)
+        let unknown = || BadFault::Unknown(text.to_owned());
+        let (name, value) = text.split_once('=').ok_or_else(unknown)?;
+        let bad = |allowed: &'static str| BadFault::Value {
+            name: name.to_owned(),
+            value: value.to_owned(),
+            allowed,
         };
-        let at_least_0 =
-            |value: &str| number(value).and_then(|x| if x < 0.0 { Err(bad()) } else { Ok(x) });
-        let share =
-            |value: &str| at_least_0(value).and_then(|x| if x > 1.0 { Err(bad()) } else { Ok(x) });
+        let number = || parse(value, f64::NEG_INFINITY..=f64::INFINITY).ok_or_else(|| bad(NUMBER));
+        let seconds = || parse(value, 0.0..=f64::INFINITY).ok_or_else(|| bad(SECONDS));
+        let share = || parse(value, 0.0..=1.0).ok_or_else(|| bad(SHARE));
         Ok(match name {
-            "sonar-dropout" => Fault::SonarDropout(share(value)?),
-            "cross-talk" => Fault::CrossTalk(share(value)?),
-            "sonar-bias" => Fault::SonarBias(number(value)?),
+            "sonar-dropout" => Fault::SonarDropout(share()?),
+            "cross-talk" => Fault::CrossTalk(share()?),
+            "sonar-bias" => Fault::SonarBias(number()?),
             "sonar-dead" => {
-                Fault::SonarDead(value.parse().ok().filter(|id| *id < 16).ok_or_else(bad)?)
+                let id = value.parse().ok().filter(|id| usize::from(*id) < SONARS.len());
+                Fault::SonarDead(id.ok_or_else(|| bad(SONAR))?)
             }
-            "gyro-bias" => Fault::GyroBias(number(value)?),
-            "encoder-slip" => Fault::EncoderSlip(share(value)?),
-            "latency" => Fault::Latency(at_least_0(value)?),
-            "jitter" => Fault::Jitter(at_least_0(value)?),
+            "gyro-bias" => Fault::GyroBias(number()?),
+            "encoder-slip" => Fault::EncoderSlip(share()?),
+            "latency" => Fault::Latency(seconds()?),
+            "jitter" => Fault::Jitter(seconds()?),
             "joystick-freeze" => {
-                let (from, to) = value.split_once('-').ok_or_else(bad)?;
-                let (from_s, to_s) = (at_least_0(from)?, at_least_0(to)?);
+                let span = value.split_once('-').and_then(|(from, to)| {
+                    Some((parse(from, 0.0..=f64::INFINITY)?, parse(to, 0.0..=f64::INFINITY)?))
+                });
+                let (from_s, to_s) = span.ok_or_else(|| bad(FROM_TO))?;
                 if from_s >= to_s {
                     return Err(BadFault::Backwards(text.to_owned()));
                 }
                 Fault::JoystickFreeze(from_s, to_s)
             }
-            "controller-hang" => Fault::ControllerHang(at_least_0(value)?),
-            "controller-panic" => Fault::ControllerPanic(at_least_0(value)?),
-            _ => return Err(bad()),
+            "controller-hang" => Fault::ControllerHang(seconds()?),
+            "controller-panic" => Fault::ControllerPanic(seconds()?),
+            _ => return Err(unknown()),
         })
     }
+}
+
+/// A finite number within bounds.
+fn parse(text: &str, bounds: RangeInclusive<f64>) -> Option<f64> {
+    text.parse().ok().filter(|number: &f64| number.is_finite() && bounds.contains(number))
 }
 
 impl Display for Fault {
@@ -134,6 +163,47 @@ impl Fault {
                 Fault::JoystickFreeze(other_from_s, other_to_s),
             ) => from_s < other_to_s && other_from_s < to_s,
             _ => std::mem::discriminant(self) == std::mem::discriminant(other),
+        }
+    }
+
+    /// Whether a sample is one that it changes; of its amount nothing is asked.
+    pub(super) fn meets(&self, sample: &Sample, start: Time) -> bool {
+        match (self, sample) {
+            (Fault::SonarDead(id), Sample::Sonar(scan)) => {
+                scan.echoes.iter().any(|echo| echo.id == *id)
+            }
+            (
+                Fault::SonarDropout(_) | Fault::CrossTalk(_) | Fault::SonarBias(_),
+                Sample::Sonar(_),
+            )
+            | (Fault::GyroBias(_), Sample::Imu(_))
+            | (Fault::EncoderSlip(_), Sample::Encoders(_))
+            | (Fault::ControllerHang(_) | Fault::ControllerPanic(_), _) => true,
+            (Fault::Latency(_) | Fault::Jitter(_), sample) => {
+                !matches!(sample, Sample::Joystick(_))
+            }
+            (Fault::JoystickFreeze(..), Sample::Joystick(joystick)) => {
+                self.freezes_at(joystick.stamp.seconds_since(start))
+            }
+            _ => false,
+        }
+    }
+
+    /// What there was none of where it met nothing to change.
+    pub fn misses(&self) -> String {
+        match self {
+            Fault::SonarDropout(_) | Fault::CrossTalk(_) | Fault::SonarBias(_) => {
+                "no sonar reading".to_owned()
+            }
+            Fault::SonarDead(id) => format!("no reading of sonar {id}"),
+            Fault::GyroBias(_) => "no IMU reading".to_owned(),
+            Fault::EncoderSlip(_) => "no encoder reading".to_owned(),
+            Fault::Latency(_) | Fault::Jitter(_) => "no sensor reading".to_owned(),
+            Fault::JoystickFreeze(from_s, to_s) => {
+                format!("no joystick sample from {from_s} to {to_s} s")
+            }
+            // Of the controller itself: it breaks down when its time comes, and waits for nothing.
+            Fault::ControllerHang(_) | Fault::ControllerPanic(_) => "nothing".to_owned(),
         }
     }
 

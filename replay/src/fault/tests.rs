@@ -140,22 +140,75 @@ fn faults_are_the_same_for_every_controller() {
 
 #[test]
 fn bad_faults_are_refused_with_what_there_is() {
-    for bad in [
-        "",
-        "sonar-dead",
-        "sonar-dead=16",
-        "sonar-dropout=1.5",
-        "latency=-1",
-        "jitter=nan",
-        "joystick-freeze=3",
-        "wind=3",
-    ] {
+    for bad in ["", "sonar-dead", "wind=3"] {
         let error = bad.parse::<Fault>().expect_err(bad).to_string();
         assert!(error.contains("sonar-dropout=SHARE"), "{error}");
+    }
+    for (bad, allowed) in [
+        ("sonar-dead=16", "from 0 to 15"),
+        ("sonar-dead=-1", "from 0 to 15"),
+        ("sonar-dropout=1.5", "from 0 to 1"),
+        ("cross-talk=-0.1", "from 0 to 1"),
+        ("encoder-slip=half", "from 0 to 1"),
+        ("sonar-bias=inf", "a finite number"),
+        ("gyro-bias=nan", "a finite number"),
+        ("latency=-1", "0 or more"),
+        ("jitter=nan", "0 or more"),
+        ("controller-hang=-1", "0 or more"),
+        ("joystick-freeze=3", "FROM-TO"),
+        ("joystick-freeze=-2-4", "FROM-TO"),
+    ] {
+        let error = bad.parse::<Fault>().expect_err(bad).to_string();
+        let (name, _) = bad.split_once('=').expect("a name and a value");
+        assert!(error.contains(bad) && error.contains(&format!("value of {name}")), "{error}");
+        assert!(error.contains(allowed), "{error}");
     }
     for backwards in ["joystick-freeze=10-5", "joystick-freeze=5-5"] {
         let error = backwards.parse::<Fault>().expect_err(backwards).to_string();
         assert!(error.contains("ends before it begins"), "{error}");
+    }
+}
+
+/// A fault that meets nothing that it could change is told, with what there was none of; with the sensors that
+/// a robot has, and within its session, each meets something.
+#[test]
+fn faults_that_meet_nothing_are_told() {
+    let unmet = |faults: &[&str], sensors, mode| {
+        let scenario = scenario("random:rect:joystick:7", 3.0);
+        let log = record(&scenario, "human", sensors);
+        let faults = faults.iter().map(|fault| fault.parse().expect("a fault")).collect();
+        let mut replay = Replay::new(|| Ok(log.open()), &log.spec, mode)
+            .expect("replays")
+            .under(Faults::new(faults, 0).expect("each of them once"));
+        while replay.next_event().is_some() {}
+        let unmet = replay.finish().expect("has steps").unmet_faults;
+        unmet.iter().map(|fault| (fault.to_string(), fault.misses())).collect::<Vec<_>>()
+    };
+    let all = [
+        "sonar-dropout=0.5",
+        "cross-talk=0.1",
+        "sonar-bias=-0.2",
+        "sonar-dead=3",
+        "gyro-bias=0.1",
+        "encoder-slip=0.1",
+        "latency=0.03",
+        "jitter=0.02",
+        "joystick-freeze=1-2",
+    ];
+    for mode in [Mode::Open, Mode::Closed(Person::Playback)] {
+        assert_eq!(unmet(&all, SensorSuite::Sonar, mode), []);
+        let names: Vec<String> =
+            unmet(&all, SensorSuite::Exact, mode).into_iter().map(|(name, _)| name).collect();
+        assert_eq!(names, all[..6], "exact poses come late, and the joystick is heard");
+        let late = ["sonar-dead=3", "joystick-freeze=4-5"];
+        let none = ["no reading of sonar 3", "no joystick sample from 4 to 5 s"];
+        let told = unmet(&late, SensorSuite::Exact, mode);
+        let want: Vec<_> = late
+            .iter()
+            .zip(none)
+            .map(|(fault, none)| ((*fault).to_owned(), none.to_owned()))
+            .collect();
+        assert_eq!(told, want);
     }
 }
 

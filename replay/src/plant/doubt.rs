@@ -4,23 +4,28 @@
 //! is said about it is about the wrong robot, and has to be said so. The claim stands as long as it
 //! explains what the wheels did; only where it does not is another plant looked for, and the claim is doubted
 //! if that one explains them much better. What neither explains, such as a dead encoder, is no matter of
-//! the plant.
+//! the plant. A log that says nothing of its plant leaves the claim untested.
 
 use std::fmt::{self, Display, Formatter};
+use std::io::Read;
 
 use schemas::Plant;
+use schemas::log::LogReader;
 
 use super::response::unexplained;
-use super::{Estimate, PlantEstimate, Seen, slip};
+use super::{Estimate, PlantEstimate, Seen, Untold, slip};
 
-/// What a claimed plant may leave unexplained, root mean square, m/s and rad/s. Chosen on random sessions of
-/// plants as they are claimed, which stay below half of it.
+/// What a claimed plant may leave unexplained of what the wheels did, and another plant of what wheels or
+/// robot did, root mean square, m/s and rad/s. Chosen on random sessions of plants as they are claimed, which
+/// stay below half of it.
 const MOST_REST: [f64; 2] = [0.05, 0.15];
 
-/// The same with exact rays, which tell of the robot without noise. Every difference is one of the plant.
+/// What a claimed plant may leave unexplained with exact rays, which tell of the robot without noise: every
+/// difference is one of the plant.
 const EXACT_REST: [f64; 2] = [0.02, 0.05];
 
-/// Another plant has to leave no more than this share of that, and no more than a claimed one may.
+/// Another plant has to leave no more than this share of what the claimed one leaves, and no more than
+/// [`MOST_REST`], with exact rays too: it is fitted on a grid.
 const MUCH_BETTER: f64 = 0.25;
 
 /// An effect at the very instant of a sample may be in it or not: a claimed delay is right to within this,
@@ -58,9 +63,36 @@ pub struct PlantDoubt {
     accelerations: bool,
 }
 
+/// How a log stands to the plant that it claims.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlantClaim {
+    /// Nothing in it contradicts the claim.
+    Stands,
+    /// It says nothing that could.
+    Untested(Untold),
+    /// It is clearly at odds with it.
+    Contradicted(Box<PlantDoubt>),
+}
+
+impl PlantClaim {
+    /// Tests what a log claims of its plant. What comes after damage is not looked at.
+    pub fn of_log<R: Read>(log: LogReader<R>) -> PlantClaim {
+        let claimed = log.header().scenario.plant;
+        Seen::in_log(log).claim(&claimed)
+    }
+
+    /// What the log shows instead, where it contradicts the claim.
+    pub fn doubt(self) -> Option<PlantDoubt> {
+        match self {
+            PlantClaim::Contradicted(doubt) => Some(*doubt),
+            PlantClaim::Stands | PlantClaim::Untested(_) => None,
+        }
+    }
+}
+
 impl Seen {
-    /// What there is to doubt.
-    pub(super) fn doubt(&self, claimed: &Plant) -> Option<PlantDoubt> {
+    /// How it stands to a claim.
+    fn claim(&self, claimed: &Plant) -> PlantClaim {
         let limited = self.accelerations || claimed.limits_acceleration;
         // With exact rays the robot is seen itself, not its wheels.
         let gain = if self.exact { 1.0 - claimed.slip } else { 1.0 };
@@ -78,7 +110,8 @@ impl Seen {
         let most = if self.exact { EXACT_REST } else { MOST_REST };
         let slips = !self.exact && self.slips_otherwise(claimed);
         if !slips && strange(0, most[0]).is_none() && strange(1, most[1]).is_none() {
-            return None;
+            let untested = rests == [None; 2] && (self.exact || slip(&self.turns).is_none());
+            return if untested { PlantClaim::Untested(self.untold()) } else { PlantClaim::Stands };
         }
         let fits = self.fits();
         let axis = |axis: usize| {
@@ -91,7 +124,10 @@ impl Seen {
         // Wheels that do what no plant makes of their commands are not to be trusted with slip either.
         let trusted = fits[1].as_ref().is_some_and(|fit| fit.rest <= MOST_REST[1]);
         let slip = slips && trusted;
-        (forwards.is_some() || turning.is_some() || slip).then(|| PlantDoubt {
+        if forwards.is_none() && turning.is_none() && !slip {
+            return PlantClaim::Stands;
+        }
+        PlantClaim::Contradicted(Box::new(PlantDoubt {
             claimed: *claimed,
             found: self.estimate_of(&fits),
             forwards,
@@ -99,7 +135,7 @@ impl Seen {
             slip,
             limited,
             accelerations: self.accelerations,
-        })
+        }))
     }
 
     /// Whether wheels and gyro show another slip than is claimed, in the first half of the log and in the

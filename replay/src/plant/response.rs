@@ -10,6 +10,10 @@ pub(super) struct Course {
 }
 
 impl Course {
+    pub(super) fn is_empty(&self) -> bool {
+        self.t_s.is_empty()
+    }
+
     /// Adds a value; one that is not a number, or does not come after the last, is left out.
     pub(super) fn push(&mut self, t_s: f64, value: f64) {
         if value.is_finite() && self.t_s.last().is_none_or(|last| t_s > *last) {
@@ -131,7 +135,12 @@ pub(super) fn unexplained(
 
 /// Whether there is enough of both, and something was asked for.
 fn says_something(command: &Course, response: &Course) -> bool {
-    command.t_s.len() >= 10 && response.t_s.len() >= 50 && deviation(command) >= LEAST_EXCITED
+    !too_short(command, response) && deviation(command) >= LEAST_EXCITED
+}
+
+/// Whether there is too little of either to say anything.
+pub(super) fn too_short(command: &Course, response: &Course) -> bool {
+    command.t_s.len() < 10 || response.t_s.len() < 50
 }
 
 impl Axis<'_> {

@@ -77,8 +77,42 @@ fn a_robot_at_rest_says_nothing() {
     let mut still = scenario("case3", 5.0);
     still.person.script = vec![schemas::Stroke { v_mps: 0.0, omega_radps: 0.0, duration_s: 9.0 }];
     let found = PlantEstimate::of_log(record(&still, "human", SensorSuite::Sonar).open());
-    assert_eq!(found, PlantEstimate::default());
+    let nothing = PlantEstimate { untold: Some(Untold::AtRest), ..PlantEstimate::default() };
+    assert_eq!(found, nothing);
     assert_eq!(found.applied_to(WORSE), WORSE);
+}
+
+/// Why nothing is said, and that a claim of which nothing is said is untested, which is not that it stands.
+#[test]
+fn a_log_that_says_nothing_says_why() {
+    use schemas::log::Topic;
+    let mut still = scenario("case3", 5.0);
+    still.person.script = vec![schemas::Stroke { v_mps: 0.0, omega_radps: 0.0, duration_s: 9.0 }];
+    let moving = scenario("random:rect:joystick:3", 5.0);
+    let without = |scenario: &schemas::Scenario, sensors, gone: &[Topic]| {
+        let mut log = record(scenario, "human", sensors);
+        log.events.retain(|event| !gone.contains(&Topic::of(&event.value)));
+        log.rewrite(scenario);
+        (PlantEstimate::of_log(log.open()).untold, PlantClaim::of_log(log.open()))
+    };
+    let suites = [SensorSuite::Sonar, SensorSuite::Exact];
+    for sensors in suites {
+        let short = scenario("random:rect:joystick:3", 0.5);
+        for (scenario, gone, untold) in [
+            (&still, &[][..], Untold::AtRest),
+            (&short, &[], Untold::Short),
+            (&moving, &[Topic::Command, Topic::Imu], Untold::NoCommand),
+            (&moving, &[Topic::Encoders, Topic::Exact], Untold::NoMotion),
+        ] {
+            let (why, claim) = without(scenario, sensors, gone);
+            assert_eq!(why, Some(untold), "{sensors:?} {gone:?}");
+            assert_eq!(claim, PlantClaim::Untested(untold), "{sensors:?} {gone:?}");
+        }
+        assert_eq!(without(&moving, sensors, &[]), (None, PlantClaim::Stands), "{sensors:?}");
+    }
+    // Wheels and gyro tell of slip without any command.
+    let (why, claim) = without(&moving, SensorSuite::Sonar, &[Topic::Command]);
+    assert_eq!((why, claim), (None, PlantClaim::Stands));
 }
 
 /// What a log is at odds with that was recorded on one plant and claims another.
@@ -93,7 +127,7 @@ fn doubted(
     let mut log = record(&scenario, controller, sensors);
     scenario.plant = claimed;
     log.rewrite(&scenario);
-    PlantEstimate::doubt(log.open())
+    PlantClaim::of_log(log.open()).doubt()
 }
 
 /// No session whose plant is what it claims to be is doubted, whatever its sensors get wrong: dead encoders,
@@ -105,7 +139,7 @@ fn a_claim_that_holds_is_not_doubted() {
         scenario.duration_s = 8.0;
         let log = crate::session::record_seeded(&scenario, controller, sensors, number as u64);
         let what = format!("{number}: {} with {controller}, {sensors:?}", scenario.name);
-        if let Some(doubt) = PlantEstimate::doubt(log.open()) {
+        if let Some(doubt) = PlantClaim::of_log(log.open()).doubt() {
             panic!("{what}: {doubt}");
         }
     }

@@ -16,15 +16,17 @@ use ::compare::{CATALOGUE, Meter};
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::{Args, ValueEnum};
 use ladder::Ladder;
-use replay::{Gains, Mode, Outcome, Person, PlantEstimate, Reaction, Recording, Window};
-use result::{Crossings, Doubt, Plant, Run, WAY_OUT};
+use replay::{Gains, Mode, Outcome, Person, PlantClaim, Reaction, Recording, Window};
+use result::{Crossings, Doubt, Plant, Run};
 use schemas::{Event, Explored, Header, RunInfo, Scenario, Span, Stamped, World};
 use serde::Serialize;
 
+use crate::arm::DrivenPlant;
 use crate::cli::Common;
 use crate::controller_choice::ControllerChoice;
 use crate::faults::FaultArgs;
 use crate::fleet::watch;
+use crate::interrupt::Interrupted;
 use crate::status::Status;
 use crate::{arm, command, interrupt, logs, output, side_by_side};
 
@@ -158,6 +160,20 @@ impl HumanName {
 }
 
 impl ModeName {
+    /// Refuses what would have no effect in open loop.
+    pub fn refuse_without_effect(self, human: HumanName, plant: PlantName) -> Result<()> {
+        let open = self == ModeName::Open;
+        ensure!(
+            !open || human == HumanName::Playback,
+            "in open loop the recorded joystick is heard: --human goes with --mode closed"
+        );
+        ensure!(
+            !open || plant == PlantName::Recorded,
+            "in open loop the robot moves as recorded: --plant goes with --mode closed"
+        );
+        Ok(())
+    }
+
     /// With the one person that it needs; of the ladder its last level.
     pub fn with(self, human: HumanName, gains: Gains) -> Mode {
         match self {
@@ -207,11 +223,12 @@ impl Replay {
         {
             bail!("--from {from} does not come before --to {to}");
         }
-        if mode == ModeName::Open && human != HumanName::Playback {
-            bail!("in open loop the recorded joystick is heard: --human goes with --mode closed");
-        }
+        mode.refuse_without_effect(human, self.plant)?;
         if mode == ModeName::Open && self.world.is_some() {
             bail!("in open loop the recorded sensors are heard: --world goes with --mode closed");
+        }
+        if mode == ModeName::Open && self.floor {
+            bail!("in open loop the robot moves as recorded: --floor goes with --mode closed");
         }
         self.faults.faults()?;
         self.guard_outputs(common, several)?;
@@ -230,10 +247,12 @@ impl Replay {
                     }
                     runs.extend(of_log);
                 }
-                Err(error) => runs.extend(modes.iter().map(|mode| {
-                    let status = Status::of_error(&error);
-                    Run::failed(log, *mode, self.controller.label(), status, format!("{error:#}"))
-                })),
+                Err(error) => {
+                    let controller = self.controller.label();
+                    runs.extend(
+                        modes.iter().map(|mode| Run::failed(log, *mode, controller, &error)),
+                    );
+                }
             }
         }
         if let Some(output) = &self.output
@@ -243,12 +262,7 @@ impl Replay {
         }
         Ladder::rank(&mut ladders);
         let status = runs.iter().fold(Status::Done, |worst, run| worst.worse(run.status));
-        let mut told = BTreeSet::new();
-        for error in runs.iter().filter_map(|run| run.error.as_ref()) {
-            if told.insert(error) {
-                output::note(&format!("error: {}", output::one_line(error)));
-            }
-        }
+        self.tell(&runs);
         let ladder = (human == HumanName::Ladder && mode == ModeName::Closed).then_some(ladders);
         let Gains { k_theta, delay_s } = gains;
         let gains = mode.needs_gains(human).then_some(PooledGains { k_theta, delay_s });
@@ -257,6 +271,41 @@ impl Replay {
             runs + &Ladder::text(result.ladder.as_deref().unwrap_or_default())
         })?;
         Ok(status)
+    }
+
+    /// What went wrong, and what is to be known about the runs, on standard error; the same of several levels
+    /// once. What Ctrl-C kept from being replayed is one sentence with the number of logs.
+    fn tell(&self, runs: &[Run]) {
+        let mut told = BTreeSet::new();
+        let mut tell = |text: String| {
+            if told.insert(text.clone()) {
+                output::note(&text);
+            }
+        };
+        for run in runs {
+            for warning in run.warnings(self.to) {
+                tell(format!("warning: {}: {warning}", run.log));
+            }
+        }
+        for run in runs.iter().filter(|run| !run.interrupted) {
+            if let Some(error) = &run.error {
+                tell(format!("error: {}", output::one_line(error)));
+            }
+        }
+        let interrupted = |replayed: bool| {
+            let runs = runs.iter().filter(|run| run.interrupted && run.is_replayed() == replayed);
+            runs.map(|run| run.log.as_str()).collect::<BTreeSet<_>>()
+        };
+        let (part, none) = (interrupted(true), interrupted(false));
+        let (part, none) = (part.len(), none.difference(&part).count());
+        if part + none > 0 {
+            let (count, all) = (part + none, self.logs.len());
+            let in_part =
+                if part > 0 { format!(", {part} of them in part") } else { String::new() };
+            tell(format!(
+                "error: interrupted; {count} of {all} logs not replayed to the end{in_part}"
+            ));
+        }
     }
 
     /// One log in every mode that was asked for, with what its person is like.
@@ -282,23 +331,13 @@ impl Replay {
             )
         });
         let closed = modes.iter().any(|mode| matches!(mode, Mode::Closed(_)));
-        let (mut plant, mut doubt) = (None, None);
+        let mut plant = None;
         let recording = if closed {
-            let mut recording =
+            let recording =
                 Recording::read(logs::open_raw(log).with_context(name)?).with_context(name)?;
-            match self.plant {
-                PlantName::Recorded => {
-                    doubt = PlantEstimate::doubt(logs::open_raw(log).with_context(name)?);
-                }
-                PlantName::Identified => {
-                    let found = PlantEstimate::of_log(logs::open_raw(log).with_context(name)?);
-                    recording = recording.on_plant(found.applied_to(header.scenario.plant));
-                    plant = Some(found);
-                }
-            }
-            if let Some(doubt) = &doubt {
-                output::note(&format!("warning: {}: {doubt}; {WAY_OUT}", log.display()));
-            }
+            let (mut recording, driven) =
+                arm::driven(log, recording, self.plant).with_context(name)?;
+            plant = Some(driven);
             if let Some((world, explored)) = self.world(log)? {
                 recording = recording.in_world(world, explored);
             } else if header.scenario.world.is_empty() {
@@ -322,6 +361,11 @@ impl Replay {
         let window = self.window();
         let mut runs = Vec::new();
         for mode in modes {
+            if interrupt::pressed() && !runs.is_empty() {
+                let error = Interrupted::NotBegun.into();
+                runs.push(Run::failed(log, *mode, self.controller.label(), &error));
+                continue;
+            }
             let began = Instant::now();
             let open = || logs::open_raw(log).with_context(name);
             arm::made(&replayed, &spec).with_context(name)?;
@@ -333,20 +377,33 @@ impl Replay {
             };
             let faults = self.faults.faults()?;
             let replay = replay.with_context(name)?.within(window, open()?).under(faults);
-            let mut run = self.replay_one(
+            let run = self.replay_one(
                 common,
                 log,
                 (*mode, several, &spec, began),
                 replay,
                 [&header, &replayed],
-            )?;
+            );
+            let mut run = match run {
+                Err(error) if Interrupted::caused(&error) && !runs.is_empty() => {
+                    runs.push(Run::failed(log, *mode, self.controller.label(), &error));
+                    continue;
+                }
+                run => run?,
+            };
             run.from_s = window.from_s;
+            run.period_s = Span(header.run.control_period_ns).seconds();
             if run.horizon.as_ref().is_some_and(Crossings::never) {
                 // As a crossing is, the end is told from the start of the log.
                 run.horizon_s = Some(run.from_s + run.duration_s);
             }
-            run.plant = plant.as_ref().map(Plant::of);
-            run.plant_doubt = doubt.as_ref().map(Doubt::of);
+            match &plant {
+                Some(DrivenPlant::Identified(found)) => run.plant = Some(Plant::of(found)),
+                Some(DrivenPlant::Claimed(PlantClaim::Contradicted(doubt))) => {
+                    run.plant_doubt = Some(Doubt::of(doubt));
+                }
+                _ => {}
+            }
             if self.floor
                 && let (Mode::Closed(person), Some(recording)) = (mode, &recording)
             {
@@ -374,14 +431,30 @@ impl Replay {
         Window { from_s: self.from.unwrap_or(0.0), to_s: self.to.unwrap_or(f64::INFINITY) }
     }
 
-    /// Refuses two logs of one name for one folder: one result would overwrite the other.
+    /// Refuses a file for several results, and two logs of one name for one folder: one result would
+    /// overwrite the other.
     fn guard_outputs(&self, common: &Common, several: bool) -> Result<()> {
         let Some(output) = &self.output else { return Ok(()) };
+        let is_log = output.extension().is_some_and(|extension| extension == "mcap");
+        ensure!(
+            !several || !is_log || output.is_dir(),
+            "{}: several results go into a folder, each into a log of its own: name one, such as -o {}",
+            output.display(),
+            output.with_extension("").display()
+        );
         side_by_side::guard_layout(&side_by_side::layout_beside(output, several), common.force)?;
         let mut seen = BTreeMap::new();
         for log in &self.logs {
-            let path = logs::output_for(log, self.controller.label(), output, several);
+            // A log that cannot be read is written nowhere, and reported in its turn.
+            let Ok(controller) =
+                logs::open(log).and_then(|log| self.controller.for_log(log.header()))
+            else {
+                continue;
+            };
+            let path = logs::output_for(log, &controller.name, output, several);
             if let Some(other) = seen.insert(path.clone(), log) {
+                let same = fs::canonicalize(other).ok() == fs::canonicalize(log).ok();
+                ensure!(!same, "{} is named twice; name it once", log.display());
                 bail!(
                     "{} and {} would both be written to {}; replay them into different folders",
                     other.display(),
@@ -458,12 +531,12 @@ impl Replay {
                 if let Some(path) = &written {
                     let _ = fs::remove_file(path);
                 }
-                ensure!(!interrupted, "{}: interrupted before its first step", log.display());
+                ensure!(!interrupted, Interrupted::UnderWay);
                 return Err(error);
             }
         };
         let error = match &outcome.damage {
-            _ if interrupted => Some(format!("{}: interrupted", log.display())),
+            _ if interrupted => Some(format!("{}: {}", log.display(), Interrupted::UnderWay)),
             Some(damage) => Some(format!("{}: {damage}", log.display())),
             None => None,
         };
@@ -481,6 +554,7 @@ impl Replay {
             until_horizon: until_horizon.map(|measured| {
                 CATALOGUE.iter().map(|m| (m.name, measured.metrics.get(m.name))).collect()
             }),
+            interrupted,
             realtime_factor: (elapsed_s > 0.0).then(|| run.duration_s / elapsed_s),
             error,
             status,

@@ -9,6 +9,8 @@ use replay::{AxisDoubt, Estimate, Mode, Outcome, PlantDoubt, PlantEstimate, Warm
 use serde::Serialize;
 
 use super::human_name;
+use crate::faults;
+use crate::interrupt::Interrupted;
 use crate::status::Status;
 
 /// One replay of one log.
@@ -42,14 +44,25 @@ pub(super) struct Run {
     pub(super) plant_doubt: Option<Doubt>,
     /// With `--floor`: how far each metric of the recording controller's replay is from the recorded.
     pub(super) floor: Option<BTreeMap<&'static str, f64>>,
+    /// The faults that met nothing that they could change.
+    pub(super) unmet_faults: Vec<String>,
     pub(super) realtime_factor: Option<f64>,
     pub(super) cpu_s: Option<f64>,
     pub(super) error: Option<String>,
     /// Where the part that was replayed begins, seconds from the start of the log.
     #[serde(skip)]
     pub(super) from_s: f64,
+    /// The recorded control period, seconds.
+    #[serde(skip)]
+    pub(super) period_s: f64,
     #[serde(skip)]
     pub(super) duration_s: f64,
+    /// The last thing replayed, seconds from the start of the log.
+    #[serde(skip)]
+    pub(super) end_s: f64,
+    /// Whether Ctrl-C kept it from being replayed to its end.
+    #[serde(skip)]
+    pub(super) interrupted: bool,
     #[serde(skip)]
     pub(super) status: Status,
     /// For the ladder.
@@ -82,10 +95,15 @@ pub(super) struct Plant {
     accel_mps2: Option<Range>,
     alpha_radps2: Option<Range>,
     slip: Option<Range>,
+    /// Why it shows nothing at all.
+    untold: Option<String>,
 }
 
-/// What to do about a plant that is not the recorded one.
-pub(super) const WAY_OUT: &str = "--plant identified drives what the log shows";
+/// That a plant is not the recorded one; the numbers stand with the result.
+const CONTRADICTED: &str = "the log contradicts the plant that it claims";
+
+/// What to do about it.
+const WAY_OUT: &str = "--plant identified drives what the log shows";
 
 /// A claimed plant that the log contradicts, and what it shows instead.
 #[derive(Serialize)]
@@ -145,10 +163,14 @@ impl Plant {
             accel_mps2: range(found.accel_mps2),
             alpha_radps2: range(found.alpha_radps2),
             slip: range(found.slip),
+            untold: found.untold.map(|why| why.to_string()),
         }
     }
 
     fn text(&self) -> String {
+        if let Some(why) = &self.untold {
+            return format!("as claimed: nothing could be identified, since {why}");
+        }
         let fields = [
             ("delay", "s", &self.delay_s),
             ("acceleration", "m/s²", &self.accel_mps2),
@@ -171,13 +193,17 @@ impl Plant {
 
 impl Run {
     /// A log that could not be replayed.
-    pub(super) fn failed(
-        log: &Path,
-        mode: Mode,
-        controller: &str,
-        status: Status,
-        error: String,
-    ) -> Run {
+    pub(super) fn failed(log: &Path, mode: Mode, controller: &str, error: &anyhow::Error) -> Run {
+        Run {
+            error: Some(format!("{error:#}")),
+            status: Status::of_error(error),
+            interrupted: Interrupted::caused(error),
+            ..Run::blank(log, mode, controller)
+        }
+    }
+
+    /// A run of which nothing is known yet.
+    fn blank(log: &Path, mode: Mode, controller: &str) -> Run {
         Run {
             log: log.display().to_string(),
             output: None,
@@ -200,11 +226,15 @@ impl Run {
             plant_doubt: None,
             floor: None,
             from_s: 0.0,
+            period_s: 0.0,
             realtime_factor: None,
             cpu_s: None,
-            error: Some(error),
+            error: None,
+            unmet_faults: Vec::new(),
             duration_s: 0.0,
-            status,
+            end_s: 0.0,
+            interrupted: false,
+            status: Status::Done,
             measured: None,
         }
     }
@@ -232,16 +262,38 @@ impl Run {
                 WarmUp::Differs => "differs",
             }),
             duration_s: outcome.duration_s,
-            error: None,
-            ..Run::failed(log, mode, controller, Status::Done, String::new())
+            end_s: outcome.end_s,
+            unmet_faults: outcome.unmet_faults.iter().map(faults::unmet).collect(),
+            ..Run::blank(log, mode, controller)
         }
+    }
+
+    /// Whether there is a result, be it of a part.
+    pub(super) fn is_replayed(&self) -> bool {
+        self.output_hash.is_some()
+    }
+
+    /// What is to be known about it before it is believed. `to_s`: where it was to end.
+    pub(super) fn warnings(&self, to_s: Option<f64>) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if self.plant_doubt.is_some() {
+            warnings.push(format!("{CONTRADICTED}; {WAY_OUT}"));
+        }
+        warnings.extend(self.unmet_faults.iter().cloned());
+        // A log ends within a period of its last step; what ended it early is told by itself.
+        let whole = self.is_replayed() && self.error.is_none();
+        if let Some(to_s) = to_s.filter(|to_s| whole && *to_s > self.end_s + self.period_s) {
+            warnings.push(format!("--to {to_s} is beyond its end at {:.2} s", self.end_s));
+        }
+        warnings
     }
 
     /// The run as a few lines.
     pub(super) fn text(&self) -> String {
         let mut text = String::new();
         let (Some(hash), human) = (&self.output_hash, self.human) else {
-            return format!("{}: not replayed\n", self.log);
+            // What was not begun is counted elsewhere.
+            return if self.interrupted { text } else { format!("{}: not replayed\n", self.log) };
         };
         let loop_name =
             human.map_or_else(|| self.mode.to_owned(), |h| format!("{} ({h})", self.mode));
@@ -276,7 +328,10 @@ impl Run {
             let _ = writeln!(text, "  plant        {}", plant.text());
         }
         if let Some(doubt) = &self.plant_doubt {
-            let _ = writeln!(text, "  plant        ! {}; {WAY_OUT}", doubt.says);
+            let _ = writeln!(text, "  plant        ! {}", doubt.says);
+        }
+        for unmet in &self.unmet_faults {
+            let _ = writeln!(text, "  fault        ! {unmet}");
         }
         if let Some(floor) = &self.floor {
             let _ = writeln!(text, "  floor        {}", floor_text(floor));
