@@ -14,13 +14,11 @@ use std::io::Cursor;
 use prost::Message as _;
 
 use controller::{Runner, Session, Setup, Spec};
+use recorder::Simulated;
 use replay::{Mode, Person, Replay};
 use rustix::time::{ClockId, clock_gettime};
 use schemas::log::{LogReader, Topic, WriterOptions};
-use schemas::{
-    Event, FORMAT_VERSION, Header, RunInfo, SIMULATION_EPOCH, Sample, SensorSuite, Span, Time,
-};
-use simulator::{Simulation, SimulationSetup};
+use schemas::{Event, Header, Sample, Scenario, SensorSuite, Time};
 
 const ROUNDS: usize = 7;
 
@@ -30,35 +28,12 @@ type Work<'a> = Box<dyn FnMut() -> usize + 'a>;
 /// A session of `minutes`, as the bytes of its log.
 fn record(minutes: f64) -> Vec<u8> {
     let scenario = simulator::scenario("random:rect:joystick:7").unwrap();
-    let spec = Spec::resolve("tandem-kinematic", &[&scenario.controller.kinematic]).unwrap();
-    let sensors = SensorSuite::Sonar;
-    let start = SIMULATION_EPOCH;
-    let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
-    let runner = Runner::new(&setup).unwrap();
-    let human = simulator::driver(&scenario, scenario.driver, 0).unwrap();
-    let control_period = runner.control_period();
-    let simulation = SimulationSetup {
-        scenario: scenario.clone(),
-        sensors,
-        seed: 0,
-        start,
-        control_period,
-        duration: Span::from_seconds(minutes * 60.0),
-    };
-    let header = Header {
-        run: RunInfo {
-            format_version: FORMAT_VERSION,
-            controller: spec.name.clone(),
-            scenario: scenario.name.clone(),
-            sensors: "sonar".to_owned(),
-            start,
-            control_period_ns: control_period.0,
-            ..RunInfo::default()
-        },
-        params_toml: spec.params_toml(),
-        scenario,
-    };
-    let mut session = Session::new(Simulation::new(simulation, human).unwrap(), runner);
+    let scenario = Scenario { duration_s: minutes * 60.0, ..scenario };
+    let spec = Spec::for_scenario("tandem-kinematic", &scenario, &[]).unwrap();
+    let simulated = Simulated { sensors: SensorSuite::Sonar, ..Simulated::of(spec, scenario) };
+    let (simulation, runner) = simulated.begin().unwrap();
+    let header = simulated.header();
+    let mut session = Session::new(simulation, runner);
     let options = WriterOptions { view: false, ..WriterOptions::offline() };
     let mut log = schemas::log::LogWriter::new(Cursor::new(Vec::new()), &header, &options).unwrap();
     while let Ok(Some(event)) = session.next_event() {

@@ -9,14 +9,11 @@ use std::io::Cursor;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use controller::{Runner, Session, Setup, Spec};
+use controller::{Session, Spec};
+use recorder::Simulated;
 use replay::{Map, PlantEstimate};
 use schemas::log::{LogReader, LogWriter, WriterOptions};
-use schemas::{
-    Cell, Event, Footprint, Header, Pose, RunInfo, SIMULATION_EPOCH, Scenario, SensorSuite, Span,
-    World,
-};
-use simulator::{Simulation, SimulationSetup};
+use schemas::{Cell, Event, Footprint, Pose, Scenario, SensorSuite, World};
 
 const KINDS: [&str; 3] = ["rect", "slant", "disc"];
 const DRIVERS: [&str; 4] = ["joystick", "explorer", "flowing", "tracker"];
@@ -171,30 +168,11 @@ fn score(name: &str) -> Score {
 
 fn record(scenario: &Scenario) -> Vec<u8> {
     let spec = Spec::for_scenario("tandem-kinematic", scenario, &[]).expect("a known version");
-    let (start, seed, sensors) = (SIMULATION_EPOCH, 5, SensorSuite::Sonar);
-    let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
-    let runner = Runner::new(&setup).expect("parameters fit");
-    let control_period = runner.control_period();
-    let human = simulator::driver(scenario, scenario.driver, seed).expect("its own driver");
-    let setup = SimulationSetup {
-        scenario: scenario.clone(),
-        sensors,
-        seed,
-        start,
-        control_period,
-        duration: Span::from_seconds(scenario.duration_s),
-    };
-    let mut session = Session::new(Simulation::new(setup, human).expect("a sound one"), runner);
-    let run = RunInfo {
-        format_version: schemas::FORMAT_VERSION,
-        controller: spec.name.clone(),
-        seed,
-        sensors: "sonar".to_owned(),
-        start,
-        control_period_ns: control_period.0,
-        ..RunInfo::default()
-    };
-    let header = Header { run, params_toml: spec.params_toml(), scenario: scenario.clone() };
+    let of = Simulated::of(spec, scenario.clone());
+    let simulated = Simulated { sensors: SensorSuite::Sonar, seed: 5, ..of };
+    let (simulation, runner) = simulated.begin().expect("a sound session");
+    let header = simulated.header();
+    let mut session = Session::new(simulation, runner);
     let options = WriterOptions { view: false, ..WriterOptions::offline() };
     let mut log = LogWriter::new(Vec::new(), &header, &options).expect("memory takes it");
     loop {

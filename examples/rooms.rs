@@ -16,9 +16,9 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use compare::Meter;
-use controller::{Runner, Session, Setup, Spec};
-use schemas::{Event, Header, RunInfo, SIMULATION_EPOCH, Scenario, SensorSuite, Span};
-use simulator::{Simulation, SimulationSetup};
+use controller::{Session, Spec};
+use recorder::Simulated;
+use schemas::{Event, SIMULATION_EPOCH, SensorSuite};
 
 const KINDS: [&str; 3] = ["rect", "slant", "disc"];
 const DRIVERS: [&str; 2] = ["joystick", "goal"];
@@ -166,38 +166,14 @@ fn overrides(settings: &str) -> toml::Table {
     pairs.map(|(key, text)| (key.to_owned(), value(text))).collect()
 }
 
-/// What the metrics read of a log's head.
-fn header(scenario: &Scenario) -> Header {
-    Header {
-        run: RunInfo { start: SIMULATION_EPOCH, ..RunInfo::default() },
-        params_toml: String::new(),
-        scenario: scenario.clone(),
-    }
-}
-
 fn run(room: &str, controller: &str, sensors: SensorSuite) -> Run {
     let scenario = simulator::scenario(room).expect("a random room");
     let (name, settings) = controller.split_once(':').unwrap_or((controller, ""));
-    let of_scenario = if name.ends_with("dynamic") {
-        &scenario.controller.dynamic
-    } else {
-        &scenario.controller.kinematic
-    };
-    let spec = Spec::resolve(name, &[of_scenario, &overrides(settings)]).expect("a controller");
-    let setup = Setup { spec, scenario: scenario.clone(), sensors, start: SIMULATION_EPOCH };
-    let runner = Runner::new(&setup).expect("parameters and plant go together");
-    let human = simulator::driver(&scenario, scenario.driver, 0).expect("rooms have a driver");
     let duration_s = scenario.duration_s;
-    let mut meter = Meter::new(&header(&scenario));
-    let setup = SimulationSetup {
-        sensors,
-        seed: 0,
-        start: SIMULATION_EPOCH,
-        control_period: runner.control_period(),
-        duration: Span::from_seconds(duration_s),
-        scenario,
-    };
-    let simulation = Simulation::new(setup, human).expect("random rooms make sense");
+    let spec = Spec::for_scenario(name, &scenario, &[&overrides(settings)]).expect("a controller");
+    let simulated = Simulated { sensors, ..Simulated::of(spec, scenario) };
+    let (simulation, runner) = simulated.begin().expect("parameters and room go together");
+    let mut meter = Meter::new(&simulated.header());
     let mut session = Session::new(simulation, runner);
     let (mut least_m, mut left_s) = (f64::INFINITY, None);
     loop {

@@ -4,9 +4,9 @@
 //! Contract: the numbers below are the specification's, obtained from an independent program. They
 //! are not to be adjusted to what this program does.
 
-use controller::{Runner, Session, Setup, Spec};
+use controller::{Session, Spec};
+use recorder::Simulated;
 use schemas::{Event, SIMULATION_EPOCH, Scenario, SensorSuite, Step, Truth};
-use simulator::{Simulation, SimulationSetup};
 
 /// A session as rows: every step with the truth at the same instant.
 struct Ride {
@@ -21,13 +21,9 @@ fn ride(scenario: &str, controller: &str, overrides: &str) -> Ride {
 fn ride_in(scenario: Scenario, controller: &str, overrides: &str) -> Ride {
     let overrides: toml::Table = overrides.parse().expect("TOML");
     let spec = Spec::for_scenario(controller, &scenario, &[&overrides]).unwrap();
-    let sensors = SensorSuite::Exact;
-    assert_eq!(scenario.sensors, sensors, "the case studies are point robots with exact rays");
-    let setup = Setup { spec, scenario: scenario.clone(), sensors, start: SIMULATION_EPOCH };
-    let runner = Runner::new(&setup).unwrap();
-    let human = simulator::driver(&scenario, scenario.driver, 0).unwrap();
-    let setup = SimulationSetup::of(scenario, runner.control_period());
-    let mut session = Session::new(Simulation::new(setup, human).unwrap(), runner);
+    assert_eq!(scenario.sensors, SensorSuite::Exact, "the case studies are of exact rays");
+    let (simulation, runner) = Simulated::of(spec, scenario).begin().unwrap();
+    let mut session = Session::new(simulation, runner);
     let mut ride = Ride { rows: Vec::new(), truths: Vec::new() };
     loop {
         let Ok(event) = session.next_event();

@@ -6,12 +6,13 @@
 
 use std::collections::BTreeSet;
 
-use controller::{Runner, Session, Setup, Spec};
+use controller::{Session, Spec};
+use recorder::Simulated;
 use schemas::{
-    EncoderNoise, EstimatorStatus, Event, GyroBiasStep, ImuNoise, SIMULATION_EPOCH, Scenario,
-    SensorSuite, SlipBurst, Span, Step,
+    EncoderNoise, EstimatorStatus, Event, GyroBiasStep, ImuNoise, Scenario, SensorSuite, SlipBurst,
+    Step,
 };
-use simulator::{Simulation, SimulationSetup, driver, scenario};
+use simulator::scenario;
 
 /// What came of a session.
 struct Outcome {
@@ -27,17 +28,10 @@ struct Outcome {
 
 fn run(scenario: &Scenario, controller: &str, seed: u64, duration_s: f64) -> Outcome {
     let spec = Spec::resolve(controller, &[]).expect("it is listed");
+    let scenario = Scenario { duration_s, ..scenario.clone() };
     let sensors = SensorSuite::Sonar;
-    let setup = Setup { spec, scenario: scenario.clone(), sensors, start: SIMULATION_EPOCH };
-    let runner = Runner::new(&setup).expect("sound parameters");
-    let simulation = SimulationSetup {
-        sensors,
-        seed,
-        duration: Span::from_seconds(duration_s),
-        ..SimulationSetup::of(scenario.clone(), runner.control_period())
-    };
-    let human = driver(scenario, scenario.driver, seed).expect("it can drive");
-    let simulation = Simulation::new(simulation, human).expect("a sound setup");
+    let simulated = Simulated { sensors, seed, ..Simulated::of(spec, scenario) };
+    let (simulation, runner) = simulated.begin().expect("a sound setup");
     let mut session = Session::new(simulation, runner);
     let (mut truth, mut last) = (None, None);
     let (mut squares, mut count) = ([0.0; 2], 0.0);

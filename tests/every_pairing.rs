@@ -3,9 +3,9 @@
 //! commanded is finite and within the plant's limits, k is 0 or 1, and where it is 1 the person's
 //! request is applied bit for bit (P3).
 
-use controller::{Law, Runner, Session, Setup, Spec, Version, versions};
+use controller::{Law, Session, Spec, Version, versions};
+use recorder::Simulated;
 use schemas::{Event, SIMULATION_EPOCH, Scenario, SensorSuite, Span, Step};
-use simulator::{Simulation, SimulationSetup};
 
 const DURATION_S: f64 = 3.0;
 
@@ -22,14 +22,10 @@ fn scenarios() -> Vec<Scenario> {
 /// The steps of a session's first seconds, and its control period.
 fn steps(scenario: &Scenario, version: &Version, sensors: SensorSuite) -> (Vec<Step>, Span) {
     let spec = Spec::for_scenario(version.name, scenario, &[]).expect("a scenario's own overrides");
-    let setup = Setup { spec, scenario: scenario.clone(), sensors, start: SIMULATION_EPOCH };
-    let runner = Runner::new(&setup).expect("a scenario and a version");
+    let scenario = Scenario { duration_s: DURATION_S, ..scenario.clone() };
+    let simulated = Simulated { sensors, ..Simulated::of(spec, scenario) };
+    let (simulation, runner) = simulated.begin().expect("a scenario and a version");
     let period = runner.control_period();
-    let human = simulator::driver(scenario, scenario.driver, 0).expect("the scenario's own driver");
-    let duration = Span::from_seconds(DURATION_S);
-    let setup =
-        SimulationSetup { sensors, duration, ..SimulationSetup::of(scenario.clone(), period) };
-    let simulation = Simulation::new(setup, human).expect("the same scenario");
     let mut session = Session::new(simulation, runner);
     let mut steps = Vec::new();
     loop {

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use anyhow::Result;
 use compare::{CATALOGUE, Meter};
-use controller::{Law, Runner, Session, Setup, Spec};
+use controller::{Law, Session, Spec};
+use recorder::Simulated;
 use replay::{Outcome, Person, PlantEstimate, Recording, Replay};
 use schemas::log::{LogReader, LogWriter, WriterOptions};
-use schemas::{Event, Header, Plant, RunInfo, Scenario, SensorSuite, Span, Stamped};
-use simulator::{Simulation, SimulationSetup};
+use schemas::{Event, Header, Plant, Scenario, SensorSuite, Stamped};
 
 /// The bytes of a log.
 pub(crate) type Log = Cursor<Arc<[u8]>>;
@@ -99,40 +99,10 @@ impl Run {
 /// Really runs the session; writes a log if asked to.
 pub(crate) fn live(case: &Case, version: Version, log: bool) -> Result<(Run, Option<Arc<[u8]>>)> {
     let spec = spec(version, &case.scenario)?;
-    let (sensors, start) = (case.sensors, schemas::SIMULATION_EPOCH);
-    let claimed = case.scenario.clone();
-    let real = Scenario { plant: case.plant, ..claimed.clone() };
-    let human = simulator::driver(&real, real.driver, case.seed)?;
-    let runner =
-        Runner::new(&Setup { spec: spec.clone(), scenario: claimed.clone(), sensors, start })?;
-    let period = runner.control_period();
-    let simulation = Simulation::new(
-        SimulationSetup {
-            duration: Span::from_seconds(real.duration_s),
-            scenario: real,
-            sensors,
-            seed: case.seed,
-            start,
-            control_period: period,
-        },
-        human,
-    )?;
-    let header = Header {
-        run: RunInfo {
-            format_version: schemas::FORMAT_VERSION,
-            controller: spec.name.clone(),
-            seed: case.seed,
-            scenario: claimed.name.clone(),
-            sensors: if sensors == SensorSuite::Exact { "exact" } else { "sonar" }.to_owned(),
-            driver: "person".to_owned(),
-            mode: "record".to_owned(),
-            start,
-            control_period_ns: period.0,
-            ..RunInfo::default()
-        },
-        params_toml: spec.params_toml(),
-        scenario: claimed,
-    };
+    let of = Simulated::of(spec, case.scenario.clone());
+    let simulated = Simulated { plant: case.plant, sensors: case.sensors, seed: case.seed, ..of };
+    let (simulation, runner) = simulated.begin()?;
+    let header = simulated.header();
     let options = WriterOptions { view: false, ..WriterOptions::offline() };
     let mut writer = if log { Some(LogWriter::new(Vec::new(), &header, &options)?) } else { None };
     let mut session = Session::new(simulation, runner);

@@ -2,11 +2,13 @@
 //!
 //! In goes a [`Source`] (a simulation today), a [`Runner`] that drives it and a [`LogWriter`]; out
 //! comes a finished log and what was counted on the way ([`Recorded`]). The stepping itself is the
-//! controller's [`Session`], the same that replay uses.
+//! controller's [`Session`], the same that replay uses. [`Simulated`] puts a simulated session together.
 
 mod pace;
+mod simulated;
 
 pub use pace::Pace;
+pub use simulated::{BeginError, Simulated};
 
 use controller::{Runner, Session};
 use schemas::log::{LogError, LogWriter, Sink, Summary};

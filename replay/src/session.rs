@@ -2,12 +2,10 @@
 
 use std::io::Cursor;
 
-use controller::{Runner, Session, Setup, Spec};
+use controller::{Session, Spec};
+use recorder::Simulated;
 use schemas::log::{LogReader, LogWriter, WriterOptions};
-use schemas::{
-    Event, Gap, Header, RunInfo, SIMULATION_EPOCH, Scenario, SensorSuite, Span, Stamped,
-};
-use simulator::{Simulation, SimulationSetup};
+use schemas::{Event, Gap, Header, Scenario, SensorSuite, Stamped};
 
 use crate::fault::Faulty;
 
@@ -69,38 +67,10 @@ pub(crate) fn record_with_gaps(
     gaps: &[Gap],
 ) -> Recorded {
     let spec = spec(controller, scenario);
-    let start = SIMULATION_EPOCH;
-    let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
-    let runner = Runner::new(&setup).expect("parameters fit");
-    let control_period = runner.control_period();
-    let human = simulator::driver(scenario, scenario.driver, seed).expect("its own driver");
-    let simulation = Simulation::new(
-        SimulationSetup {
-            scenario: scenario.clone(),
-            sensors,
-            seed,
-            start,
-            control_period,
-            duration: Span::from_seconds(scenario.duration_s),
-        },
-        human,
-    )
-    .expect("a sound scenario");
-    let header = Header {
-        run: RunInfo {
-            format_version: schemas::FORMAT_VERSION,
-            controller: controller.to_owned(),
-            seed,
-            scenario: scenario.name.clone(),
-            sensors: if sensors == SensorSuite::Exact { "exact" } else { "sonar" }.to_owned(),
-            driver: "somebody".to_owned(),
-            start,
-            control_period_ns: control_period.0,
-            ..RunInfo::default()
-        },
-        params_toml: spec.params_toml(),
-        scenario: scenario.clone(),
-    };
+    let simulated = Simulated { sensors, seed, ..Simulated::of(spec.clone(), scenario.clone()) };
+    let (simulation, runner) = simulated.begin().expect("a sound scenario");
+    let header = simulated.header();
+    let start = header.run.start;
     let options = WriterOptions { view: false, ..WriterOptions::offline() };
     let mut log = LogWriter::new(Vec::new(), &header, &options).expect("memory takes it");
     let mut source = Faulty::new(simulation, start);

@@ -19,6 +19,16 @@ pub enum SensorSuite {
     Sonar,
 }
 
+impl SensorSuite {
+    /// The name in scenarios and logs.
+    pub fn name(self) -> &'static str {
+        match self {
+            SensorSuite::Exact => "exact",
+            SensorSuite::Sonar => "sonar",
+        }
+    }
+}
+
 /// Who steers while a session is recorded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -37,6 +47,21 @@ pub enum Driver {
     Explorer,
     /// Follows the task's target, or places of their own, with a sluggish hand and lapses.
     Tracker,
+}
+
+impl Driver {
+    /// The name in scenarios and logs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Driver::Goal => "goal",
+            Driver::Script => "script",
+            Driver::Joystick => "joystick",
+            Driver::Hesitant => "hesitant",
+            Driver::Flowing => "flowing",
+            Driver::Explorer => "explorer",
+            Driver::Tracker => "tracker",
+        }
+    }
 }
 
 /// How a session starts.

@@ -5,11 +5,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use clap::{Args, ValueEnum};
-use controller::{Runner, Setup};
-use recorder::{Pace, RecordError, Recorded};
+use recorder::{Pace, RecordError, Recorded, Simulated};
 use schemas::log::WriterOptions;
 use schemas::{Driver, Event, RunInfo, SIMULATION_EPOCH, Scenario, SensorSuite, Span};
-use simulator::{Simulation, SimulationSetup};
 
 use crate::cli::{Common, Format};
 use crate::command::info;
@@ -161,32 +159,16 @@ impl Record {
         output::detail(common, || {
             format!("{}: {} with\n{}", self.output.display(), scenario.name, spec.params_toml())
         });
-        let human = simulator::driver(&scenario, driver, self.seed)?;
-
-        let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
-        let runner = Runner::new(&setup)?;
-        let period = runner.control_period();
-        let simulation = Simulation::new(
-            SimulationSetup {
-                scenario: scenario.clone(),
-                sensors,
-                seed: self.seed,
-                start,
-                control_period: period,
-                duration,
-            },
-            human,
-        )?;
+        let simulated =
+            Simulated { sensors, driver, seed: self.seed, ..Simulated::of(spec, scenario) };
+        let (simulation, runner) = simulated.begin()?;
         let run = RunInfo {
-            seed: self.seed,
-            sensors: suite_name(sensors).to_owned(),
-            driver: driver_name(driver).to_owned(),
-            mode: "record".to_owned(),
             operator: self.operator.clone(),
             note: self.note.clone(),
-            ..RunInfo::default()
+            ..simulated.header().run
         };
-        let header = logs::header(&spec, scenario, start, period, run);
+        let Simulated { spec, scenario, .. } = simulated;
+        let header = logs::header(&spec, scenario, start, runner.control_period(), run);
 
         logs::guard(&self.output, common.force)?;
         let path = || self.output.display().to_string();
@@ -241,25 +223,6 @@ pub fn scenario(name: &str) -> Result<Scenario> {
         return Scenario::from_toml(&text).with_context(|| format!("scenario {name}"));
     }
     Ok(simulator::scenario(name)?)
-}
-
-pub fn suite_name(sensors: SensorSuite) -> &'static str {
-    match sensors {
-        SensorSuite::Exact => "exact",
-        SensorSuite::Sonar => "sonar",
-    }
-}
-
-pub fn driver_name(driver: Driver) -> &'static str {
-    match driver {
-        Driver::Goal => "goal",
-        Driver::Script => "script",
-        Driver::Joystick => "joystick",
-        Driver::Hesitant => "hesitant",
-        Driver::Flowing => "flowing",
-        Driver::Explorer => "explorer",
-        Driver::Tracker => "tracker",
-    }
 }
 
 #[cfg(test)]

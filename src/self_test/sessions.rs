@@ -6,15 +6,14 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Context as _, Result};
-use controller::{Runner, Setup};
+use recorder::Simulated;
 use replay::Recording;
 use schemas::log::{LogReader, LogWriter, WriterOptions};
-use schemas::{RunInfo, SIMULATION_EPOCH, SensorSuite, Span, Time};
-use simulator::{Simulation, SimulationSetup};
+use schemas::{SensorSuite, Time};
 
 use crate::arm::caught;
 use crate::cli::Common;
-use crate::command::record::{driver_name, scenario, suite_name};
+use crate::command::record::scenario;
 use crate::controller_choice::ControllerChoice;
 use crate::fleet::watch;
 use crate::{fleet, interrupt, logs};
@@ -74,30 +73,12 @@ pub fn built_in(
 fn record(name: &str, seed: u64, controller: &ControllerChoice) -> Result<Session> {
     let scenario = scenario(name)?;
     let spec = controller.for_scenario(&scenario)?;
-    let (sensors, start) = (SensorSuite::Sonar, SIMULATION_EPOCH);
-    let setup = Setup { spec: spec.clone(), scenario: scenario.clone(), sensors, start };
-    let runner = caught(|| Runner::new(&setup))??;
-    let human = simulator::driver(&scenario, scenario.driver, seed)?;
-    let period = runner.control_period();
-    let simulation = Simulation::new(
-        SimulationSetup {
-            duration: Span::from_seconds(scenario.duration_s),
-            scenario: scenario.clone(),
-            sensors,
-            seed,
-            start,
-            control_period: period,
-        },
-        human,
-    )?;
-    let run = RunInfo {
-        seed,
-        sensors: suite_name(sensors).to_owned(),
-        driver: driver_name(scenario.driver).to_owned(),
-        mode: "record".to_owned(),
-        ..RunInfo::default()
-    };
-    let header = logs::header(&spec, scenario, start, period, run);
+    let simulated =
+        Simulated { sensors: SensorSuite::Sonar, seed, ..Simulated::of(spec, scenario) };
+    let (simulation, runner) = caught(|| simulated.begin())??;
+    let run = simulated.header().run;
+    let Simulated { spec, scenario, .. } = simulated;
+    let header = logs::header(&spec, scenario, run.start, runner.control_period(), run);
     let options = WriterOptions { view: false, ..WriterOptions::offline() };
     let mut log = LogWriter::new(Vec::new(), &header, &options)?;
     let mut session = controller::Session::new(simulation, runner);

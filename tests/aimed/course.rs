@@ -6,13 +6,12 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use controller::{Runner, Session, Setup, Spec};
+use controller::{Session, Spec};
+use recorder::Simulated;
 use schemas::{
     Driver, EncoderNoise, Event, Footprint, HalfPlane, ImuNoise, MovingDisc, Noise, Obstacle,
-    Plant, Pose, Robot, SIMULATION_EPOCH, Scenario, SensorSuite, SonarNoise, Span, Start, Stroke,
-    World,
+    Plant, Pose, Robot, Scenario, SensorSuite, SonarNoise, Start, Stroke, World,
 };
-use simulator::{Simulation, SimulationSetup};
 
 /// A ride: where, and with which noise.
 pub(crate) struct Ride {
@@ -292,24 +291,11 @@ pub(crate) fn tally(rides: &[Ride], version: &str) -> Tally {
 
 fn run(ride: &Ride, version: &str) -> Tally {
     let scenario = ride.scenario.clone();
-    let dynamic = version.ends_with("dynamic");
-    let of_scenario =
-        if dynamic { &scenario.controller.dynamic } else { &scenario.controller.kinematic };
-    let spec = Spec::resolve(version, &[of_scenario]).expect("a version of the list");
-    let sensors = scenario.sensors;
-    let setup = Setup { spec, scenario: scenario.clone(), sensors, start: SIMULATION_EPOCH };
-    let runner = Runner::new(&setup).expect("parameters go together");
-    let human = simulator::driver(&scenario, scenario.driver, ride.seed).expect("has a driver");
     let start = scenario.start.pose;
-    let setup = SimulationSetup {
-        sensors,
-        seed: ride.seed,
-        start: SIMULATION_EPOCH,
-        control_period: runner.control_period(),
-        duration: Span::from_seconds(scenario.duration_s),
-        scenario,
-    };
-    let mut session = Session::new(Simulation::new(setup, human).expect("makes sense"), runner);
+    let spec = Spec::for_scenario(version, &scenario, &[]).expect("a version of the list");
+    let simulated = Simulated { seed: ride.seed, ..Simulated::of(spec, scenario) };
+    let (simulation, runner) = simulated.begin().expect("it makes sense");
+    let mut session = Session::new(simulation, runner);
     let mut tally = Tally::default();
     let mut end = start;
     let mut apart = true;
