@@ -1,6 +1,7 @@
-//! Contract of the layout: a viewer accepts its form, and everything that it names exists.
+//! Contract of the layout: a viewer accepts its form, everything that it names exists, and nothing
+//! hides what it is there to show. The form is what Foxglove Studio 1.48 was seen to accept.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use prost::Message;
 use prost_types::FileDescriptorSet;
@@ -14,14 +15,17 @@ fn layouts() -> [Value; 2] {
     [LAYOUT, LAYOUT_AB].map(|layout| serde_json::from_str(layout).expect("JSON"))
 }
 
-/// Every string under a key that holds a message path or a topic.
+/// Every string under a key that holds a message path or a topic, but those that are left empty.
 fn paths(value: &Value, found: &mut Vec<String>) {
     match value {
         Value::Object(map) => {
             for (key, value) in map {
                 match (key.as_str(), value) {
-                    ("value" | "topicPath" | "topicToRender", Value::String(path)) => {
-                        found.push(path.clone());
+                    (
+                        "value" | "path" | "topicPath" | "diffTopicPath" | "topicToRender",
+                        Value::String(path),
+                    ) => {
+                        found.extend(Some(path).filter(|path| !path.is_empty()).cloned());
                     }
                     ("topics", Value::Object(topics)) => found.extend(topics.keys().cloned()),
                     _ => paths(value, found),
@@ -33,17 +37,26 @@ fn paths(value: &Value, found: &mut Vec<String>) {
     }
 }
 
-/// The panels that the layout's tree shows.
-fn panels(tree: &Value, found: &mut BTreeSet<String>) {
+/// The kind of panel that an identifier like `Plot!v` names.
+fn kind_of(id: &str) -> &str {
+    id.split('!').next().unwrap_or(id)
+}
+
+/// The panels that a tree of the layout shows, those in tabs included.
+fn panels(layout: &Value, tree: &Value, found: &mut BTreeSet<String>) {
     match tree {
         Value::String(id) => {
             assert!(found.insert(id.clone()), "{id} stands twice in the tree");
+            for tab in layout["configById"][id]["tabs"].as_array().into_iter().flatten() {
+                assert!(tab["title"].is_string());
+                panels(layout, &tab["layout"], found);
+            }
         }
         Value::Object(node) => {
             assert!(matches!(node["direction"].as_str(), Some("row" | "column")));
             assert!(node["splitPercentage"].is_number());
-            panels(&node["first"], found);
-            panels(&node["second"], found);
+            panels(layout, &node["first"], found);
+            panels(layout, &node["second"], found);
         }
         other => panic!("neither a panel nor a split: {other}"),
     }
@@ -83,16 +96,25 @@ fn the_form_is_what_viewers_accept() {
         assert!(layout.get("version").is_none(), "a version that it does not know blocks a viewer");
 
         let mut shown = BTreeSet::new();
-        panels(&layout["layout"], &mut shown);
+        panels(&layout, &layout["layout"], &mut shown);
         let configured: BTreeSet<String> =
             layout["configById"].as_object().expect("a map").keys().cloned().collect();
         assert_eq!(shown, configured);
-        let kinds = ["3D", "Plot", "StateTransitions", "RawMessages", "RosOut"];
+        let kinds = [
+            "3D",
+            "Gauge",
+            "Indicator",
+            "Plot",
+            "RawMessages",
+            "RosOut",
+            "StateTransitions",
+            "Tab",
+        ];
         for kind in kinds {
             assert!(shown.iter().any(|id| id.starts_with(&format!("{kind}!"))), "no {kind} panel");
         }
         for id in &shown {
-            assert!(kinds.contains(&id.split('!').next().unwrap_or("")), "{id}: an unknown kind");
+            assert!(kinds.contains(&kind_of(id)), "{id}: an unknown kind");
         }
     }
 }
@@ -120,17 +142,64 @@ fn every_path_leads_somewhere() {
 }
 
 #[test]
-fn two_runs_are_shown_in_the_same_panels() {
+fn two_runs_are_shown_alike() {
     let [_, layout] = layouts();
+    // What a panel can show of one run only stands beside its like for the other.
+    let mut groups: BTreeMap<&str, Vec<String>> = BTreeMap::new();
     for (id, panel) in layout["configById"].as_object().expect("a map") {
-        let mut found = Vec::new();
-        paths(panel, &mut found);
+        let alone = matches!(kind_of(id), "Gauge" | "Indicator" | "RosOut");
+        let group = if alone { kind_of(id) } else { id.as_str() };
+        paths(panel, groups.entry(group).or_default());
+    }
+    for (group, found) in groups {
         let of = |arm: &str| {
             let stripped = found.iter().filter_map(|path| path.strip_prefix(arm));
             stripped.map(str::to_owned).collect::<BTreeSet<_>>()
         };
-        if !(id.starts_with("RawMessages!") || id.starts_with("RosOut!")) {
-            assert_eq!(of("/A"), of("/B"), "{id}");
+        assert_eq!(of("/A"), of("/B"), "{group}");
+    }
+}
+
+#[test]
+fn the_legend_of_a_plot_lies_beside_the_curves() {
+    for layout in layouts() {
+        for (id, panel) in layout["configById"].as_object().expect("a map") {
+            if kind_of(id) == "Plot" {
+                let curves = panel["paths"].as_array().map_or(0, Vec::len);
+                let wanted = if curves == 1 { "none" } else { "left" };
+                assert_eq!(panel["legendDisplay"], wanted, "{id}");
+                // A value would push the label out of a legend this narrow.
+                assert_eq!(panel["showPlotValuesInLegend"], false, "{id}");
+                assert_eq!(panel["foxglovePanelTitle"], panel["title"], "{id}");
+            }
+        }
+    }
+}
+
+#[test]
+fn gauge_and_indicator_know_every_value_that_means_something() {
+    for layout in layouts() {
+        for (id, panel) in layout["configById"].as_object().expect("a map") {
+            let path = panel["path"].as_str().unwrap_or_default();
+            match kind_of(id) {
+                // The graded signal to the person lies between 0 and 1.
+                "Gauge" => {
+                    assert!(path.ends_with("/step.danger"), "{path}");
+                    assert_eq!([&panel["minValue"], &panel["maxValue"]], [0, 1], "{id}");
+                }
+                // The sharing function (13) is 1 for the person and 0 for the feedback law.
+                "Indicator" => {
+                    assert!(path.ends_with("/step.k"), "{path}");
+                    let rules = panel["rules"].as_array().expect("rules");
+                    let said = rules.iter().map(|rule| {
+                        assert_eq!(rule["operator"], "=", "{id}");
+                        [&rule["rawValue"], &rule["label"]]
+                    });
+                    let said: Vec<_> = said.collect();
+                    assert_eq!(said, [["1", "person"], ["0", "controller"]], "{id}");
+                }
+                _ => {}
+            }
         }
     }
 }
