@@ -94,9 +94,7 @@ impl Stage {
             return robot;
         }
         let robot = SceneEntity { texts: self.label(), ..robot };
-        // Of two robots the first is drawn fainter: the second is the one in question.
-        let strength = if self.arm == Some(Arm::A) { 0.4 } else { 1.0 };
-        let colour = colour::faded(driver_colour(seen.step.as_deref()), strength);
+        let colour = colour::faded(driver_colour(seen.step.as_deref()), self.strength());
         let nose = Pose { x_m: 0.0, y_m: 0.0, theta_rad: 0.0 };
         let arrows = vec![arrow(&nose, BODY_HEIGHT_M, 0.5 * self.footprint.length_m + 0.2, colour)];
         if self.is_point() {
@@ -150,7 +148,7 @@ impl Stage {
         let bar = CubePrimitive {
             pose: Some(pose(&foot, 0.5 * height_m)),
             size: Some(Vector3 { x: GAUGE_WIDTH_M, y: GAUGE_WIDTH_M, z: height_m }),
-            color: Some(driver_colour(step)),
+            color: Some(colour::faded(driver_colour(step), self.strength())),
         };
         SceneEntity { lines: vec![outline], cubes: vec![bar], ..gauge }
     }
@@ -175,7 +173,8 @@ impl Stage {
                 at_face.transform(reach_m * cos, reach_m * sin)
             });
             // Silence is drawn fainter than an echo, a reading from the future as a fresh one.
-            let strength = freshness.min(1.0) * if echo.echo { 0.5 } else { 0.15 };
+            let full = if echo.echo { 0.5 } else { 0.15 };
+            let strength = freshness.min(1.0) * full * self.strength();
             let corners = [at_face.position_m(), ends[0], ends[1]];
             Some(TriangleListPrimitive {
                 pose: Some(identity()),
@@ -185,6 +184,11 @@ impl Stage {
             })
         });
         SceneEntity { triangles: cones.collect(), ..entity(self.frames.base, "sonar") }
+    }
+
+    /// Of two robots the first is drawn fainter: the second is the one in question.
+    fn strength(&self) -> f64 {
+        if self.arm == Some(Arm::A) { 0.4 } else { 1.0 }
     }
 
     /// Which robot it is, where there are two.

@@ -5,8 +5,8 @@ use foxglove::messages::{FrameTransforms, Log, PoseInFrame, SceneUpdate};
 use prost::Message;
 
 use super::{Picture, Shown, primitives::colour};
-use crate::log::Topic;
 use crate::log::tests::session::{events, header};
+use crate::log::{Arm, Topic};
 use crate::{Event, Header, Stamped, Time};
 
 fn observe(header: &Header, events: &[Stamped<Event>]) -> Vec<Shown> {
@@ -97,6 +97,30 @@ fn danger_is_a_bar_as_high_as_it_is() {
         let middle = gauge.cubes[0].pose.and_then(|pose| pose.position).expect("set");
         assert!((middle.z - 0.5 * bar_m).abs() < 1e-12, "stands on the floor");
     }
+}
+
+#[test]
+fn of_two_runs_the_first_is_drawn_fainter() {
+    // The opacity of everything that moves with the robot.
+    let opacities = |arm: Option<Arm>| -> Vec<f64> {
+        let mut picture = Picture::of(&header(), arm);
+        let mut events = events(30);
+        for event in &mut events {
+            if let Event::Step(step) = &mut event.value {
+                step.danger = 0.5;
+            }
+        }
+        let shown: Vec<_> = events.iter().flat_map(|event| picture.observe(event)).collect();
+        let (_, scene) = of::<SceneUpdate>(&shown, Topic::Scene).pop().expect("drawn");
+        let [robot, danger, sonar] = [2, 4, 5].map(|index| &scene.entities[index]);
+        let cubes = [robot, danger].into_iter().flat_map(|entity| &entity.cubes);
+        let colours = cubes.map(|cube| cube.color).chain(sonar.triangles.iter().map(|t| t.color));
+        colours.map(|colour| colour.expect("coloured").a).collect()
+    };
+    let [alone, a, b] = [None, Some(Arm::A), Some(Arm::B)].map(opacities);
+    assert_eq!((alone.len(), a.len()), (18, 18));
+    assert_eq!(alone, b);
+    assert!(a.iter().zip(&b).all(|(a, b)| 0.0 < *a && *a < 0.5 * b), "{a:?} {b:?}");
 }
 
 #[test]
