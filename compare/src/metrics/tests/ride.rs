@@ -1,10 +1,11 @@
 //! Comfort, heading, the law's promise, the person's effort, the computer's.
 
-use super::super::{Measured, Profile, Track};
+use super::super::{Measured, Meter, Profile, Track};
 use super::close;
 use crate::synthetic::{Run, at, scenario, task};
 use schemas::{
-    Event, JoystickSample, LawBranch, MovingDisc, ReferenceSource, Sample, Stamped, Step, Timing,
+    Event, JoystickSample, LawBranch, MovingDisc, ReferenceSource, Sample, SonarEcho, SonarScan,
+    Stamped, Step, Timing,
 };
 
 /// Truths every 0.02 s with these speeds.
@@ -324,4 +325,34 @@ fn a_bare_measurement_has_the_numbers_alone() {
     assert!(whole.profile != empty_profile && whole.track != empty_track);
     let bare = whole.clone().bare();
     assert_eq!(bare, Measured { profile: empty_profile, track: empty_track, ..whole });
+}
+
+/// While the law drives, what the safety layer alters changes nothing about who drives; when nobody is asked
+/// which echo it was that ended D, only the nearest one is known.
+#[test]
+fn a_switch_says_who_drives_and_which_echo_it_was() {
+    let mut run = Run::new();
+    for (t_s, k, projected) in [(0.1, 1.0, true), (0.2, 0.0, true), (0.3, 1.0, false)] {
+        run.step(t_s, |step| (step.k, step.projected) = (k, projected));
+    }
+    let heard = [(3, 0.7, 0.05), (9, 0.4, 0.05), (4, 0.9, 0.15)];
+    let echoes =
+        heard.map(|(id, range_m, t_s)| SonarEcho { id, range_m, echo: true, fired: at(t_s) });
+    let scan = Sample::Sonar(SonarScan { stamp: at(0.0), echoes: echoes.to_vec() });
+    run.events.insert(0, Stamped { at: at(0.0), value: Event::Sample(scan) });
+    let asked = [(0.2, at(0.15), 0.9), (0.3, at(0.05), 0.7)];
+    let mut meter = Meter::new(&run.header);
+    for event in &run.events {
+        meter.observe(event);
+        if let Event::Step(step) = &event.value
+            && let Some((_, fired, range_m)) = asked.iter().find(|(t_s, ..)| at(*t_s) == step.stamp)
+        {
+            meter.ended_by(*fired, *range_m);
+        }
+    }
+    let switches = meter.finish().expect("the run has steps").track.switches;
+    assert_eq!(switches.iter().map(|s| s.projected).collect::<Vec<_>>(), [true, false, false]);
+    let ended_by: Vec<_> = switches.iter().map(|switch| switch.ended_by).collect();
+    assert_eq!(ended_by, [None, Some((4, 0.9)), Some((3, 0.7))]);
+    assert!(switches.iter().all(|switch| switch.nearest_echo == Some((9, 0.4))));
 }
