@@ -62,6 +62,8 @@ pub struct Near {
     /// Whether the turning circle is to stay clear of what it is clear of.
     keep_circle_m: Option<f64>,
     known: [bool; 2],
+    /// Whether something may move.
+    moving: bool,
     /// Whether something is within the turning circle.
     crowded: bool,
     /// Distance of the turning circle to the nearest thing, metres.
@@ -96,6 +98,7 @@ impl Near {
             horizon_s: 0.0,
             keep_circle_m: None,
             known: [true; 2],
+            moving: false,
             crowded: false,
             circle_clear_m: f64::INFINITY,
         }
@@ -119,6 +122,7 @@ impl Near {
         self.horizon_s = horizon_s;
         self.keep_circle_m = keep_circle_m;
         self.known = [true; 2];
+        self.moving = false;
         self.crowded = false;
         self.circle_clear_m = f64::INFINITY;
     }
@@ -174,6 +178,7 @@ impl Near {
         let mut near =
             NearThing { thing, outline: Outline::TurningCircle, start_m: 0.0, speed_mps, doubt_m };
         near.start_m = self.distance_m(&near, &self.body, &self.pose);
+        self.moving |= speed_mps != 0.0;
         self.circle_clear_m = self.circle_clear_m.min(near.start_m + doubt_m);
         self.crowded |= near.start_m + doubt_m < 0.0;
         if self.keep_circle_m.is_some_and(|keep_m| near.start_m + doubt_m >= keep_m) {
@@ -232,7 +237,12 @@ impl Near {
             return f64::INFINITY;
         }
         let body = Body::new(&self.footprint, pose);
-        let ways = [Way::new(pose, keep.v_mps), Way::new(&self.pose, keep.v_mps)];
+        // Only what moves is met on the way.
+        let ways = if self.moving {
+            &[Way::new(&body, pose, keep), Way::new(&self.body, &self.pose, keep)][..]
+        } else {
+            &[]
+        };
         let mut least_m = f64::INFINITY;
         for near in &self.things {
             // What may come against the robot's way has to be left room for, however near it is already;
@@ -264,9 +274,8 @@ struct Way<'a> {
 }
 
 impl Way<'_> {
-    fn new(pose: &Pose, v_mps: f64) -> Way<'_> {
-        let (sin, cos) = libm::sincos(pose.theta_rad);
-        Way { pose, forward: [cos, sin], v_mps }
+    fn new<'a>(body: &Body, pose: &'a Pose, keep: &Keep) -> Way<'a> {
+        Way { pose, forward: body.forward(), v_mps: keep.v_mps }
     }
 
     /// Whether it may have something that moves before it: before the line through its centre across

@@ -94,6 +94,11 @@ impl Body {
         }
     }
 
+    /// Unit vector along its heading.
+    pub fn forward(&self) -> [f64; 2] {
+        self.forward
+    }
+
     fn is_finite(&self) -> bool {
         self.corners_m.iter().all(|corner_m| corner_m[0].is_finite() && corner_m[1].is_finite())
     }
@@ -193,7 +198,11 @@ impl Body {
         ];
         let outside_m = beyond_m.map(|gap_m| if gap_m > 0.0 { gap_m } else { 0.0 });
         let to_centre_m = if beyond_m[0] > 0.0 || beyond_m[1] > 0.0 {
-            libm::hypot(outside_m[0], outside_m[1])
+            match outside_m {
+                // Before a side, as most things are, it is one of them, as a root would say.
+                [0.0, gap_m] | [gap_m, 0.0] => gap_m,
+                [ahead_m, aside_m] => libm::hypot(ahead_m, aside_m),
+            }
         } else if beyond_m[0] > beyond_m[1] {
             beyond_m[0]
         } else {
