@@ -90,11 +90,12 @@ impl Shield {
         }
     }
 
-    /// Whether rays leave `u` as it is if none of them is shorter than `least_m`: longer ones never take more
-    /// away.
+    /// Whether rays certainly leave `u` as it is if none of them is shorter than `least_m`: longer ones never
+    /// take more away.
     pub fn passes_rays(&self, u: [f64; 2], heading_rad: f64, least_m: f64) -> bool {
         // What is no number has no direction, which counts as unknown.
-        u.iter().all(|component| component.is_finite())
+        least_m > 0.0
+            && u.iter().all(|component| component.is_finite())
             && match self {
                 Shield::Swept(_) => true,
                 Shield::Velocity(cone) | Shield::VelocitySwept(cone, _) => {
