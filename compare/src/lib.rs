@@ -26,6 +26,7 @@ mod self_test;
 pub mod statistics;
 #[cfg(test)]
 mod synthetic;
+mod thinning;
 
 pub use comparison::{
     Arm, ArmInfo, Change, Comparison, Gate, GateFile, GateResult, Indication, LevelChange,

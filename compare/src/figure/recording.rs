@@ -2,6 +2,8 @@
 
 use schemas::{Event, Header, Pose, Stamped, Step, Time};
 
+use crate::thinning::Thinning;
+
 /// Most points that are kept. When a run outgrows them, every second one goes.
 const MOST_POINTS: usize = 8192;
 
@@ -51,8 +53,7 @@ pub struct Recording {
     truth: Option<(Pose, f64)>,
     /// The last step, until its command is known, and its stamp.
     pending: Option<(Time, Point)>,
-    stride: usize,
-    skipped: usize,
+    thinning: Thinning,
 }
 
 impl Recording {
@@ -75,8 +76,7 @@ impl Recording {
             b2_m: of(b2),
             truth: None,
             pending: None,
-            stride: 1,
-            skipped: 0,
+            thinning: Thinning::to(MOST_POINTS),
         }
     }
 
@@ -147,20 +147,7 @@ impl Recording {
 
     fn keep_pending(&mut self, last: bool) {
         let Some((_, point)) = self.pending.take() else { return };
-        if self.skipped > 0 && !last {
-            self.skipped -= 1;
-            return;
-        }
-        if self.points.len() >= MOST_POINTS {
-            let mut keep = false;
-            self.points.retain(|_| {
-                keep = !keep;
-                keep
-            });
-            self.stride *= 2;
-        }
-        self.points.push(point);
-        self.skipped = self.stride - 1;
+        self.thinning.push(&mut self.points, point, last);
     }
 
     /// Stretches in which the feedback law drives: from, until, seconds.

@@ -2,6 +2,8 @@
 
 use schemas::{Reason, Region};
 
+use crate::thinning::Thinning;
+
 /// Most points of a track. When a run outgrows them, every second one goes.
 const MOST_POINTS: usize = 512;
 
@@ -83,32 +85,19 @@ pub struct Track {
     pub points: Vec<TrackPoint>,
     /// Every change of who drives, in the order of time; bounded.
     pub switches: Vec<Switch>,
-    stride: usize,
-    skipped: usize,
+    thinning: Thinning,
     last: Option<TrackPoint>,
 }
 
 impl Track {
     pub(super) fn new() -> Track {
-        Track { points: Vec::new(), switches: Vec::new(), stride: 1, skipped: 0, last: None }
+        let thinning = Thinning::to(MOST_POINTS);
+        Track { points: Vec::new(), switches: Vec::new(), thinning, last: None }
     }
 
     pub(super) fn point(&mut self, point: TrackPoint) {
         self.last = Some(point);
-        if self.skipped > 0 {
-            self.skipped -= 1;
-            return;
-        }
-        if self.points.len() == MOST_POINTS {
-            let mut keep = false;
-            self.points.retain(|_| {
-                keep = !keep;
-                keep
-            });
-            self.stride *= 2;
-        }
-        self.points.push(point);
-        self.skipped = self.stride - 1;
+        self.thinning.push(&mut self.points, point, false);
     }
 
     pub(super) fn switch(&mut self, switch: Switch) {
