@@ -26,12 +26,12 @@ pub enum SimulatorError {
         part: String,
     },
     /// A scenario whose numbers make no sense.
-    #[error("scenario {name:?}: {source}")]
+    #[error("scenario {name:?}: {why}")]
     Scenario {
         /// Its name.
         name: String,
         /// What is wrong.
-        source: ScenarioError,
+        why: ScenarioError,
     },
     /// A driver that the scenario does not describe.
     #[error("scenario {scenario:?} cannot be driven by {driver:?}: it has no {missing}")]

@@ -115,10 +115,8 @@ impl Simulation {
         human: Box<dyn Human>,
     ) -> Result<Simulation, SimulatorError> {
         let SimulationSetup { scenario, sensors, seed, start, control_period, duration } = setup;
-        let invalid = |source: ScenarioError| SimulatorError::Scenario {
-            name: scenario.name.clone(),
-            source,
-        };
+        let invalid =
+            |why: ScenarioError| SimulatorError::Scenario { name: scenario.name.clone(), why };
         scenario.check().map_err(invalid)?;
         if control_period.0 < LEAST_CONTROL_PERIOD_NS {
             return Err(SimulatorError::ControlPeriod {

@@ -200,6 +200,10 @@ fn a_scenario_with_a_wrong_key() {
     let run = here.tandem("record --scenario own.toml -o x.mcap").exits(2);
     let line = run.error_line();
     assert!(line.contains("own.toml") && line.contains("duration"), "{line}");
+    // A setting in a scenario's name: what is wrong is said once.
+    let run = here.tandem("record --scenario random:rect:goal:1:slip=7 -o x.mcap").exits(2);
+    let line = run.error_line();
+    assert_eq!(line.matches("plant.slip = 7").count(), 1, "{line}");
 }
 
 #[test]

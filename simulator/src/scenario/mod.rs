@@ -51,7 +51,7 @@ pub fn scenario(name: &str) -> Result<Scenario, SimulatorError> {
         Some((base, settings)) if settings.contains('=') => {
             let mut scenario = named(base)?;
             scenario.plant = with_settings(&scenario, settings)
-                .map_err(|source| SimulatorError::Scenario { name: name.to_owned(), source })?;
+                .map_err(|why| SimulatorError::Scenario { name: name.to_owned(), why })?;
             name.clone_into(&mut scenario.name);
             Ok(scenario)
         }
@@ -76,7 +76,7 @@ fn with_settings(scenario: &Scenario, settings: &str) -> Result<Plant, ScenarioE
 fn named(name: &str) -> Result<Scenario, SimulatorError> {
     if let Some((_, text)) = BUILT_IN.iter().find(|(known, _)| *known == name) {
         return Scenario::from_toml(text)
-            .map_err(|source| SimulatorError::Scenario { name: name.to_owned(), source });
+            .map_err(|why| SimulatorError::Scenario { name: name.to_owned(), why });
     }
     if let Some(rest) = name.strip_prefix("random:") {
         return random::scenario(name, rest);
