@@ -2,8 +2,9 @@
 //!
 //! FNV-1a over 64-bit words instead of bytes, with the high half folded into the low one after each
 //! word: h ← (h ⊕ word) · 0x100000001b3; h ← h ⊕ (h >> 32). Four such hashes take turns, so that a
-//! word waits for the one four before it and not for the last; at the end a fifth takes them in like words. Not cryptographic. Each round is a bijection of its h, so two states that differ
-//! in one word always differ in their hash.
+//! word waits for the one four before it and not for the last; at the end a fifth takes them in like
+//! words. Not cryptographic. Each round is a bijection of its h, so two states that differ in one word
+//! always differ in their hash.
 
 use schemas::{Pose, Time};
 

@@ -109,8 +109,8 @@ pub struct FieldDifference {
     pub node: String,
     /// Unit; empty without one.
     pub unit: String,
-    /// Largest |a − b|, of directions the short way round, over the messages that differ; `None` where no difference is a finite
-    /// number (a name, a hash, a number against NaN).
+    /// Largest |a − b|, of directions the short way round, over the messages that differ; `None` where no
+    /// difference is a finite number (a name, a hash, a number against NaN).
     pub max_abs: Option<f64>,
     /// When that was, seconds from the start.
     pub max_abs_at_s: Option<f64>,

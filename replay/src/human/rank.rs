@@ -74,27 +74,25 @@ mod tests {
     }
 
     proptest! {
-            /// It is what stands at that place once the heap is sorted.
-            #[test]
-            fn a_rank_is_a_place_in_the_order(
-                heaps in prop::array::uniform3(prop::collection::vec(number(), 0..40)),
-                share in prop_oneof![Just(0.0), Just(1.0), 0.0..1.0_f64],
-            ) {
-                let rank = |_: usize, count: usize| (count as f64 * share) as usize;
-                let pass = |see: &mut dyn FnMut(usize, f64)| {
-                    for (heap, numbers) in heaps.iter().enumerate() {
-                        for number in numbers {
-     see(heap, *number);
-    }
-                    }
-                };
-                let found: [Option<f64>; 3] = ranked(pass, rank);
-                for (numbers, found) in heaps.iter().zip(found) {
-                    let mut sorted = numbers.clone();
-                    sorted.sort_by(f64::total_cmp);
-                    let wanted = sorted.get(rank(0, sorted.len()));
-                    prop_assert_eq!(found.map(f64::to_bits), wanted.map(|wanted| wanted.to_bits()));
+        /// It is what stands at that place once the heap is sorted.
+        #[test]
+        fn a_rank_is_a_place_in_the_order(
+            heaps in prop::array::uniform3(prop::collection::vec(number(), 0..40)),
+            share in prop_oneof![Just(0.0), Just(1.0), 0.0..1.0_f64],
+        ) {
+            let rank = |_: usize, count: usize| (count as f64 * share) as usize;
+            let pass = |see: &mut dyn FnMut(usize, f64)| {
+                for (heap, numbers) in heaps.iter().enumerate() {
+                    numbers.iter().for_each(|number| see(heap, *number));
                 }
+            };
+            let found: [Option<f64>; 3] = ranked(pass, rank);
+            for (numbers, found) in heaps.iter().zip(found) {
+                let mut sorted = numbers.clone();
+                sorted.sort_by(f64::total_cmp);
+                let wanted = sorted.get(rank(0, sorted.len()));
+                prop_assert_eq!(found.map(f64::to_bits), wanted.map(|wanted| wanted.to_bits()));
             }
         }
+    }
 }

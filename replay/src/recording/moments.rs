@@ -278,43 +278,41 @@ mod tests {
     }
 
     proptest! {
-            #![proptest_config(ProptestConfig::with_cases(64))]
+        #![proptest_config(ProptestConfig::with_cases(64))]
 
-            /// In whatever order they come and are looked at, few or many in memory, the moments are those
-            /// of a plain list, to the bit.
-            #[test]
-            fn moments_are_those_that_came(
-                changes in prop::collection::vec((0..700_usize, moment()), 1..60),
-                forgets in prop::option::of(0..60_usize),
-                kept in 1..40_usize,
-                looks in prop::collection::vec(0..720_usize, 40),
-            ) {
-                let (mut moments, mut list) = (Moments::new(kept), Vec::new());
-                for (turn, (index, moment)) in changes.iter().enumerate() {
-                    if list.len() <= *index {
-                        list.resize(index + 1, Moment::default());
-                    }
-                    list[*index] = *moment;
-                    moments.change(*index, |changed| *changed = *moment);
-                    if forgets == Some(turn) {
-                        for moment in &mut list {
-    moment.state = None;
-    }
-                        moments.forget_states();
-                    }
+        /// In whatever order they come and are looked at, few or many in memory, the moments are those
+        /// of a plain list, to the bit.
+        #[test]
+        fn moments_are_those_that_came(
+            changes in prop::collection::vec((0..700_usize, moment()), 1..60),
+            forgets in prop::option::of(0..60_usize),
+            kept in 1..40_usize,
+            looks in prop::collection::vec(0..720_usize, 40),
+        ) {
+            let (mut moments, mut list) = (Moments::new(kept), Vec::new());
+            for (turn, (index, moment)) in changes.iter().enumerate() {
+                if list.len() <= *index {
+                    list.resize(index + 1, Moment::default());
                 }
-                prop_assert!(moments.recent.len() <= 2 * kept);
-                prop_assert_eq!(moments.len(), list.len());
-                let moments = Arc::new(moments);
-                let all: Vec<_> = Look::new(&moments).all().map(|moment| bits(&moment)).collect();
-                prop_assert_eq!(all, list.iter().map(bits).collect::<Vec<_>>());
-                let mut look = Look::new(&moments);
-                for index in looks {
-                    prop_assert_eq!(look.at(index).as_ref().map(bits), list.get(index).map(bits));
+                list[*index] = *moment;
+                moments.change(*index, |changed| *changed = *moment);
+                if forgets == Some(turn) {
+                    list.iter_mut().for_each(|moment| moment.state = None);
+                    moments.forget_states();
                 }
-                prop_assert!(moments.unreadable().is_none());
             }
+            prop_assert!(moments.recent.len() <= 2 * kept);
+            prop_assert_eq!(moments.len(), list.len());
+            let moments = Arc::new(moments);
+            let all: Vec<_> = Look::new(&moments).all().map(|moment| bits(&moment)).collect();
+            prop_assert_eq!(all, list.iter().map(bits).collect::<Vec<_>>());
+            let mut look = Look::new(&moments);
+            for index in looks {
+                prop_assert_eq!(look.at(index).as_ref().map(bits), list.get(index).map(bits));
+            }
+            prop_assert!(moments.unreadable().is_none());
         }
+    }
 
     /// A file that lost its content is told of, and what it held is missing rather than made up.
     #[test]
