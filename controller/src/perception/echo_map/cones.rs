@@ -50,8 +50,8 @@ impl Reading {
 struct Cone {
     fired: Option<Time>,
     reading: Reading,
-    /// When it last heard an echo; 0 before any.
-    echoed: Time,
+    /// When it last heard an echo.
+    echoed: Option<Time>,
     fresh: bool,
     heard: bool,
 }
@@ -68,7 +68,7 @@ impl Cones {
         let silent = Cone {
             fired: None,
             reading: Reading::Unknown,
-            echoed: Time(0),
+            echoed: None,
             fresh: false,
             heard: false,
         };
@@ -82,7 +82,7 @@ impl Cones {
 
     /// Whether this sonar has heard an echo after an instant.
     pub(super) fn echoed_after(&self, id: u8, instant: Time) -> bool {
-        self.cones[usize::from(id)].echoed > instant
+        self.cones[usize::from(id)].echoed > Some(instant)
     }
 
     /// Takes a sonar's newest reading.
@@ -91,7 +91,7 @@ impl Cones {
         cone.fired = Some(fired);
         cone.reading = reading;
         if matches!(reading, Reading::Echo(_)) {
-            cone.echoed = fired;
+            cone.echoed = Some(fired);
         }
         cone.heard |= reading != Reading::Unknown;
     }
@@ -154,7 +154,11 @@ impl Cones {
                 Reading::Silent => f64::INFINITY,
                 Reading::Echo(range_m) => range_m,
             });
-            digest.word(u64::from(cone.fresh) << 1 | u64::from(cone.heard));
+            let flags = [cone.echoed.is_some(), cone.fresh, cone.heard];
+            digest.word(flags.into_iter().fold(0, |word, flag| word << 1 | u64::from(flag)));
+            if let Some(echoed) = cone.echoed {
+                digest.time(echoed, start);
+            }
         }
     }
 }
