@@ -433,6 +433,24 @@ mod tests {
         }
     }
 
+    /// f(t) = 4t² + bt + 1 bends by 8 per second twice: from 1 to 2 in a second b is −3 and the least value
+    /// 1 − 9/16, from 1 to 1 in half a second b is −2 and it is 3/4. What rises by more than half the bend is
+    /// least at its lower end.
+    #[test]
+    fn a_parabola_has_its_least_value() {
+        for (from, to, bend, span_s, want) in [
+            (1.0, 1.0, 8.0, 1.0, 0.0),
+            (1.0, 2.0, 8.0, 1.0, 0.4375),
+            (2.0, 1.0, 8.0, 1.0, 0.4375),
+            (1.0, 1.0, 8.0, 0.5, 0.75),
+            (1.0, 5.0, 8.0, 1.0, 1.0),
+            (6.0, 1.0, 8.0, 1.0, 1.0),
+            (3.0, 3.0, 0.0, 1.0, 3.0),
+        ] {
+            assert_eq!(least(from, to, bend, span_s), want, "{from} to {to} in {span_s} s");
+        }
+    }
+
     fn room() -> (World, Certain) {
         let scenario = scenario();
         let certain = Certain::new(&scenario.world, scenario.robot.footprint);
