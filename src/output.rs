@@ -1,10 +1,12 @@
 //! Where results, progress and diagnostics go: results to standard output, the rest to standard
 //! error, bars to terminals only.
 
+use std::fs;
 use std::io::{self, IsTerminal as _, Write as _};
+use std::path::Path;
 use std::time::Duration;
 
-use anyhow::Result;
+use anyhow::{Context as _, Result};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 
@@ -30,6 +32,24 @@ pub fn print<T: Serialize>(
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         other => Ok(other?),
     }
+}
+
+/// Writes a file whole or not at all: until it is whole it stands beside its place, and what was there before
+/// stays.
+pub fn file(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
+    let cannot = || format!("cannot write {}", path.display());
+    if path.exists() && !path.is_file() {
+        // A pipe or a terminal takes what is written to it, and is not to be replaced.
+        return fs::write(path, content).with_context(cannot);
+    }
+    let mut unfinished = path.as_os_str().to_owned();
+    unfinished.push(".unfinished");
+    let written = fs::write(&unfinished, content).and_then(|()| fs::rename(&unfinished, path));
+    if written.is_err() {
+        // What cannot be removed does no harm under that name.
+        let _ = fs::remove_file(&unfinished);
+    }
+    written.with_context(cannot)
 }
 
 /// Prints an error as the one line that it is to be.
@@ -82,7 +102,25 @@ pub fn bar(common: &Common, length: u64, label: &str, template: &str) -> Progres
 
 #[cfg(test)]
 mod tests {
-    use super::one_line;
+    use std::fs;
+
+    use super::{file, one_line};
+
+    /// A file is replaced whole; where it cannot be, nothing is left of the attempt.
+    #[test]
+    fn files_are_written_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("report.svg");
+        for text in ["the first, a longer one", "the second"] {
+            file(&path, text).expect("writable");
+            assert_eq!(fs::read_to_string(&path).expect("written"), text);
+        }
+        let missing = folder.path().join("nowhere").join("report.svg");
+        assert!(file(&missing, "x").is_err());
+        assert!(file(folder.path(), "x").is_err());
+        let left: Vec<_> = fs::read_dir(folder.path()).expect("there").collect();
+        assert_eq!(left.len(), 1, "{left:?}");
+    }
 
     #[test]
     fn errors_are_one_line() {

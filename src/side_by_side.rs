@@ -9,6 +9,8 @@ use schemas::log::{WriteAbError, WriterOptions, write_ab};
 use schemas::view::LAYOUT_AB;
 use schemas::{Event, Header, Stamped};
 
+use crate::output;
+
 /// Writes two runs, A and B, side by side into a file. Where they were `stopped` before their end, which is
 /// asked last, the file says so. Until they are whole they stand in another one
 /// beside it, so that what a failing run leaves behind is never taken for a run.
@@ -54,5 +56,5 @@ pub fn guard_layout(path: &Path, force: bool) -> Result<()> {
 
 /// Writes the layout.
 pub fn write_layout(path: &Path) -> Result<()> {
-    fs::write(path, LAYOUT_AB).with_context(|| path.display().to_string())
+    output::file(path, LAYOUT_AB)
 }

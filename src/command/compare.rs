@@ -241,7 +241,7 @@ impl Compare {
                 Some("csv") => report::csv(&comparison),
                 _ => report::json(&comparison)?,
             };
-            fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))?;
+            output::file(path, text)?;
         }
         if let Some(path) = &self.summary {
             let name = || format!("cannot append to {}", path.display());

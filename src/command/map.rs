@@ -1,7 +1,6 @@
 //! `tandem map`: the world as a log's sonars heard it.
 
 use std::fmt::Write as _;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
@@ -79,8 +78,7 @@ impl Map {
         let (map, plant) = of_log(&self.log)?;
         let name = self.output.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into());
         let scenario = Scenario { name, ..map.scenario() };
-        fs::write(&self.output, scenario.to_toml())
-            .with_context(|| self.output.display().to_string())?;
+        output::file(&self.output, scenario.to_toml())?;
         let damage = self.show(&view, &scenario)?;
         let mapped = Mapped {
             log: self.log.display().to_string(),

@@ -1,7 +1,6 @@
 //! `tandem plot`: one run as a picture.
 
 use std::fmt::Write as _;
-use std::fs;
 use std::path::PathBuf;
 
 use anyhow::{Context as _, Result, ensure};
@@ -61,8 +60,7 @@ impl Plot {
             recording.observe(&event);
         }
         let (picture, facts) = figure(recording).with_context(name)?;
-        fs::write(&self.output, &picture)
-            .with_context(|| format!("cannot write {}", self.output.display()))?;
+        output::file(&self.output, &picture)?;
         let drawn = Drawn {
             log: name(),
             output: self.output.display().to_string(),

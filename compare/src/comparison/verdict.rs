@@ -163,8 +163,8 @@ fn no_call(comparison: &Comparison, logs: &str) -> String {
         .min_by(|x, y| x.p.unwrap_or(1.0).total_cmp(&y.p.unwrap_or(1.0)));
     match nearest {
         Some(metric) => format!(
-            "no change of a safety or authority metric over {logs} is beyond chance; the nearest is \
-             {} (p {})",
+            "no change over {logs} of a safety or authority metric that verdicts rest on is beyond \
+             chance; the nearest is {} (p {})",
             describe(metric),
             number(metric.p)
         ),

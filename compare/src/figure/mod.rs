@@ -110,9 +110,12 @@ fn facts(run: &Recording) -> Facts {
         .iter()
         .filter(|point| !point.clearance_m.is_nan())
         .min_by(|a, b| a.clearance_m.total_cmp(&b.clearance_m));
+    // A part of a session begins late.
+    let begins_s = run.points.first().map_or(0.0, |point| point.t_s);
+    let duration_s = run.end_s - begins_s;
     Facts {
-        duration_s: run.end_s,
-        feedback_share: if run.end_s > 0.0 { driven_s / run.end_s } else { 0.0 },
+        duration_s,
+        feedback_share: if duration_s > 0.0 { driven_s / duration_s } else { 0.0 },
         feedback_s,
         least_clearance_m: nearest.map(|point| point.clearance_m),
         least_clearance_at_s: nearest.map(|point| point.t_s),

@@ -55,6 +55,16 @@ fn the_facts_are_those_of_the_run() {
     assert!((facts.end_m[0] - 2.45).abs() < 1e-9 && facts.end_m[1] == 1.0);
 }
 
+/// Of a part of a session, from 1 s on, two seconds are there, and the law drives in one of them.
+#[test]
+fn the_facts_of_a_part_are_those_of_the_part() {
+    let mut run = run();
+    run.events.retain(|event| event.at >= crate::synthetic::at(1.0));
+    let (_, facts) = figure(recorded(&run)).unwrap();
+    assert!((facts.duration_s - 2.0).abs() < 1e-9);
+    assert!((facts.feedback_share - 0.5).abs() < 1e-9);
+}
+
 #[test]
 fn everything_is_drawn_and_nothing_else_is_needed() {
     let (text, _) = figure(recorded(&run())).unwrap();
