@@ -118,10 +118,13 @@ impl Chunk {
         self.position = 0;
     }
 
-    /// The next record, where it is a whole message: channel, sequence, log time, and where its payload
-    /// lies. Where it is anything else nothing is taken, and [`Chunk::next`] has to look.
+    /// The next record, where it is a whole message on a known channel: channel, sequence, log time, and
+    /// where its payload lies. Where it is anything else nothing is taken, and [`Chunk::next`] has to look.
     #[inline]
-    pub(super) fn next_message(&mut self) -> Option<(u16, u32, u64, std::ops::Range<usize>)> {
+    pub(super) fn next_message(
+        &mut self,
+        known: impl FnOnce(u16) -> bool,
+    ) -> Option<(u16, u32, u64, std::ops::Range<usize>)> {
         // Opcode and length, then channel, sequence and two times.
         const HEAD: usize = 9 + 22;
         let rest = self.content.get(self.position..)?;
@@ -134,6 +137,9 @@ impl Chunk {
             return None;
         }
         let (channel, sequence, at) = (head.u16()?, head.u32()?, head.u64()?);
+        if !known(channel) {
+            return None;
+        }
         let begin = self.position + HEAD;
         self.position += 9 + length;
         Some((channel, sequence, at, begin..self.position))

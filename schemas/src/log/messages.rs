@@ -120,10 +120,9 @@ impl<R: Read> Messages<R> {
     pub(super) fn next(&mut self) -> Result<Option<Item>, LogError> {
         // Nearly everything is a message in a chunk.
         if self.in_chunk && !self.ended {
-            let next = self.chunk.next_message();
-            if let Some((channel, sequence, at, payload)) = next
-                && self.channel(channel).is_some()
-            {
+            let channels = &self.channels;
+            let known = |id| channels.get(usize::from(id)).is_some_and(Option::is_some);
+            if let Some((channel, sequence, at, payload)) = self.chunk.next_message(known) {
                 let at = Time(at);
                 self.reached = Some(at);
                 let message = Message { channel, sequence, at, payload, in_chunk: true };

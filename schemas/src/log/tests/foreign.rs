@@ -9,6 +9,7 @@ use mcap::write::Metadata;
 
 use super::session::{events, header, read, text};
 use crate::log::header::{PARAMS, RUN, SCENARIO, to_map};
+use crate::log::info::inspect_source;
 use crate::log::{Encoder, LogError, LogReader, Topic, descriptors};
 use crate::{FORMAT_VERSION, Header};
 
@@ -289,6 +290,65 @@ fn hostile_lengths_are_refused_without_believing_them() {
         let error = reader.next_event().expect_err(name);
         assert!(error.is_damage(), "{name}: {error:?}");
         assert!(reader.buffered_bytes() < 4 << 20, "{name}: {}", reader.buffered_bytes());
+    }
+}
+
+/// A channel record by hand: no schema, a topic that is none of ours.
+fn channel(id: u16) -> Vec<u8> {
+    let topic = b"/other";
+    let mut body = [id.to_le_bytes(), [0; 2]].concat();
+    body.extend((topic.len() as u32).to_le_bytes());
+    body.extend(topic);
+    // No encoding, no further notes.
+    body.extend([0; 8]);
+    record(0x04, body.len() as u64, &body)
+}
+
+/// A message record by hand, with three bytes of payload.
+fn message(channel: u16, at: u64) -> Vec<u8> {
+    let mut body = channel.to_le_bytes().to_vec();
+    body.extend(0_u32.to_le_bytes());
+    body.extend([at.to_le_bytes(), at.to_le_bytes()].concat());
+    body.extend(b"abc");
+    record(0x05, body.len() as u64, &body)
+}
+
+#[test]
+fn a_message_on_a_channel_not_yet_declared_is_damage_anywhere_in_a_chunk() {
+    let whole = file(default(), |mcap| put_head(mcap, &header()));
+    let head = &whole[..mcap_data_end(&whole)];
+    // The chunk, the data end and the footer carry no check sum: only the channel can tell.
+    let log = |records: &[Vec<u8>]| {
+        let data = records.concat();
+        let body = chunk(data.len() as u64, "", data.len() as u64, &data);
+        let chunk = record(0x06, body.len() as u64, &body);
+        let end = [record(0x0F, 4, &[0; 4]), record(0x02, 20, &[0; 20])].concat();
+        [head, &chunk, &end, b"\x89MCAP0\r\n"].concat()
+    };
+    let declared = [channel(1), channel(7), message(1, 1), message(7, 2), message(1, 3)];
+    let info = inspect_source(&log(&declared)[..]).expect("a log");
+    assert!(info.complete && info.messages == 3, "{info:?}");
+
+    let never = [channel(1), message(1, 1), message(7, 2), message(1, 3)];
+    let later = [channel(1), message(1, 1), message(7, 2), channel(7), message(7, 3)];
+    // Behind a record that is no message, and as the last one.
+    let behind = [channel(1), message(1, 1), channel(2), message(7, 2), message(2, 3)];
+    let last = [channel(1), message(1, 1), message(7, 2)];
+    for (name, records) in
+        [("never", &never[..]), ("later", &later), ("behind", &behind), ("last", &last)]
+    {
+        let log = log(records);
+        let info = inspect_source(&log[..]).expect("the head is whole");
+        assert!(!info.complete && info.messages == 1, "{name}: {info:?}");
+        let mut reader = LogReader::new(&log[..]).expect("the head is whole");
+        for error in [info.damage, reader.next_event().err()] {
+            let Some(LogError::Damaged { at_byte, what, .. }) = error else {
+                panic!("{name}: {error:?}");
+            };
+            assert_eq!(at_byte, head.len() as u64, "{name}");
+            assert_eq!(what, "a message belongs to channel 7, which is unknown", "{name}");
+        }
+        assert!(matches!(reader.next_event(), Ok(None)) && !reader.is_complete(), "{name}");
     }
 }
 
