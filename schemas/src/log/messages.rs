@@ -115,6 +115,11 @@ impl<R: Read> Messages<R> {
         self.reached.map(|at| at.seconds_since(self.start))
     }
 
+    /// Ends the stream here: nothing further is given.
+    pub(super) fn end(&mut self) {
+        self.ended = true;
+    }
+
     /// The next message, metadata record or attachment; `None` at the end, and after an error.
     #[inline]
     pub(super) fn next(&mut self) -> Result<Option<Item>, LogError> {

@@ -34,6 +34,7 @@ impl<R: Read> Opened<R> {
                 Ok(Some(Item::Metadata)) => {
                     if let Some((name, map)) = parse_metadata(messages.body()) {
                         if name == header::STOPPED {
+                            messages.end();
                             break Err(LogError::Stopped { after: None });
                         }
                         parts.describe(None, name, &map)?;
@@ -75,6 +76,7 @@ impl<R: Read> Opened<R> {
                 Some(Item::Metadata) => {
                     let metadata = parse_metadata(self.messages.body());
                     if metadata.is_some_and(|(name, _)| name == header::STOPPED) {
+                        self.messages.end();
                         return Err(LogError::Stopped { after: self.messages.reached_s() });
                     }
                 }

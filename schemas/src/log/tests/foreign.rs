@@ -8,8 +8,9 @@ use mcap::records::MessageHeader;
 use mcap::write::Metadata;
 
 use super::session::{events, header, read, text};
-use crate::log::header::{PARAMS, RUN, SCENARIO, to_map};
+use crate::log::header::{PARAMS, RUN, SCENARIO, STOPPED, to_map};
 use crate::log::info::inspect_source;
+use crate::log::reader::Opened;
 use crate::log::{Encoder, LogError, LogReader, Topic, descriptors};
 use crate::{FORMAT_VERSION, Header};
 
@@ -225,6 +226,29 @@ fn times_that_do_not_increase_are_an_error() {
                 if at.0 == last && previous.0 == 6),
             "{what}: {error:?}"
         );
+    }
+}
+
+#[test]
+fn nothing_is_given_behind_the_mark_of_a_stop() {
+    for before in [0, 2] {
+        let log = file(default(), |mcap| {
+            put_head(mcap, &header());
+            (1..=before).for_each(|at| put(mcap, "/other", "tandem.v1.Imu", at, b"abc"));
+            let mark = Metadata { name: STOPPED.to_owned(), metadata: BTreeMap::new() };
+            mcap.write_metadata(&mark).expect("memory takes all");
+            put(mcap, "/other", "tandem.v1.Imu", before + 1, b"abc");
+        });
+        let mut opened = Opened::new(&log[..]).expect("the head is whole");
+        for message in 0..before {
+            assert!(matches!(opened.next(), Ok(Some(_))), "{message} of {before}");
+        }
+        let stop = opened.next().expect_err("the mark");
+        assert!(matches!(stop, LogError::Stopped { .. }), "{before}: {stop}");
+        for _ in 0..2 {
+            assert!(matches!(opened.next(), Ok(None)), "{before}");
+        }
+        assert!(!opened.messages.is_complete(), "{before}");
     }
 }
 
