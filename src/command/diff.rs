@@ -11,7 +11,7 @@ use compare::{CompareError, Next, Tolerances, report};
 use schemas::log::{Arm, LogReader};
 use serde::Serialize;
 
-use crate::cli::Common;
+use crate::cli::{Common, Format};
 use crate::status::Status;
 use crate::{interrupt, logs, output};
 
@@ -43,6 +43,18 @@ fn next(
             Ok(Next::Cut)
         }
         Err(error) => Err(error).with_context(|| path.display().to_string()),
+    }
+}
+
+/// What is known of runs of which nothing can be read that is compared.
+fn nothing_compared() -> compare::Diff {
+    compare::Diff {
+        same: false,
+        whole: false,
+        same_behaviour: false,
+        compared: compare::Compared::default(),
+        fields: Vec::new(),
+        first_cause: None,
     }
 }
 
@@ -105,6 +117,10 @@ impl Diff {
             // Where nothing is left to compare, the reason is what was wrong with the log.
             (Err(error), Some(Damage { run, what })) if error.is::<CompareError>() => {
                 output::note(&format!("error: {run}: {what}; no step stands before that"));
+                if common.format == Format::Json {
+                    let result = Compared { diff: nothing_compared(), damage };
+                    output::print(common, &result, |_| String::new())?;
+                }
                 return Ok(Status::Differs);
             }
             (diff, _) => diff?,

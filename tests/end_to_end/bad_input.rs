@@ -276,4 +276,28 @@ fn a_log_cut_before_its_first_step() {
     }
     let run = here.tandem("diff cut.mcap whole.mcap").exits(1);
     assert!(run.error_line().contains("cut off at byte"), "{}", run.stderr);
+    assert_eq!(run.stdout, "", "there is nothing to tell a person but the error");
+    // A program that reads the result gets one, whichever run is cut.
+    for (runs, cut) in [
+        ("cut.mcap whole.mcap", &["cut.mcap"][..]),
+        ("whole.mcap cut.mcap", &["cut.mcap"]),
+        ("cut.mcap cut.mcap", &["cut.mcap", "cut.mcap"]),
+    ] {
+        let run = here.tandem(&format!("diff {runs} --format json")).exits(1);
+        assert!(run.error_line().contains("cut off at byte"), "{runs}: {}", run.stderr);
+        let result = run.json();
+        for word in ["same", "whole", "same_behaviour"] {
+            assert_eq!(result[word], false, "{runs}: {word}");
+        }
+        let none = serde_json::json!({ "steps": 0, "messages": 0, "differing": 0 });
+        assert_eq!(result["compared"], none, "{runs}");
+        assert_eq!(result["fields"], serde_json::json!([]), "{runs}");
+        assert_eq!(result.get("first_cause"), Some(&serde_json::Value::Null), "{runs}");
+        let damage = result["damage"].as_array().unwrap();
+        let named: Vec<_> = damage.iter().map(|damage| damage["run"].as_str().unwrap()).collect();
+        assert_eq!(named, cut, "{runs}");
+        for damage in damage {
+            assert!(damage["what"].as_str().unwrap().contains("cut off at byte"), "{damage}");
+        }
+    }
 }
