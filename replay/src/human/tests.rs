@@ -42,6 +42,8 @@ fn every_level_is_the_recording_under_the_recording_controller() {
     ];
     for (name, controller, sensors) in sessions {
         let log = record(&scenario(name, 6.0), controller, sensors);
+        let recording = Recording::read(log.open()).expect("has a joystick");
+        assert!(!Reaction::of(&recording).is_blind(), "{name}: the estimates would be playback");
         for person in levels() {
             let mut replay =
                 Replay::new(|| Ok(log.open()), &log.spec, Mode::Closed(person)).expect("replays");
