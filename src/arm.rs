@@ -197,13 +197,16 @@ impl<'a> Log<'a> {
         let closed = modes.iter().any(|mode| matches!(mode, Mode::Closed(_)));
         // Whoever replays a log that cannot be read to its end reports that for each arm.
         let recording = closed.then(|| Recording::read(logs::open_raw(path)?)).transpose();
-        let driven = match recording.ok().flatten() {
-            None => None,
-            Some(recording) => Some(driven(path, recording, plant)?),
+        let (recording, plant) = match recording {
+            Ok(None) => (None, PlantWords::default()),
+            Ok(Some(recording)) => {
+                let (recording, plant) = driven(path, recording, plant)?;
+                (Some(Arc::new(recording)), PlantWords::of(&plant))
+            }
+            // What is not driven is not tested either.
+            Err(error) => (None, PlantWords { doubt: None, untold: Some(error.to_string()) }),
         };
-        let (recording, plant) = driven.unzip();
-        let plant = plant.map_or_else(PlantWords::default, |plant| PlantWords::of(&plant));
-        Ok(Log { path, header, recording: recording.map(Arc::new), plant })
+        Ok(Log { path, header, recording, plant })
     }
 }
 
@@ -454,7 +457,29 @@ impl Side {
 
 #[cfg(test)]
 mod tests {
-    use super::caught;
+    use super::*;
+    use recorder::Simulated;
+    use schemas::log::{LogWriter, WriterOptions};
+
+    /// Of a log with nobody to bring back in closed loop it is not said that its plant was tested; in open loop
+    /// nobody asks.
+    #[test]
+    fn a_log_without_a_person_says_nothing_of_its_plant() {
+        let scenario = simulator::scenario("case1").unwrap();
+        let spec = Spec::for_scenario("human", &scenario, &[]).unwrap();
+        let header = Simulated::of(spec, scenario).header();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("nobody.mcap");
+        let log = LogWriter::new(Vec::new(), &header, &WriterOptions::offline()).unwrap();
+        std::fs::write(&path, log.finish().unwrap().0).unwrap();
+        for plant in [PlantName::Recorded, PlantName::Identified] {
+            let words = |mode| Log::read(&path, &[mode], plant).unwrap().plant;
+            let closed = words(Mode::Closed(Person::Playback));
+            assert!(closed.doubt.is_none());
+            assert!(closed.untold.is_some_and(|why| why.contains("no /joystick")));
+            assert!(words(Mode::Open).untold.is_none());
+        }
+    }
 
     #[test]
     fn a_panic_is_an_error_that_says_why() {
