@@ -21,12 +21,12 @@ const CROSS_TALK_M: f64 = 3.0;
 /// Does to whoever steps at `t_s` what a broken controller does: never comes back, or panics.
 #[expect(clippy::panic, reason = "asked for, to show what becomes of the others")]
 fn break_down(faults: &[Fault], t_s: f64) {
-    for fault in faults {
+    for fault in faults.iter().filter(|fault| fault.breaks_down_at(t_s)) {
         match fault {
-            Fault::ControllerHang(at_s) if t_s >= *at_s => loop {
+            Fault::ControllerHang(_) => loop {
                 std::thread::park();
             },
-            Fault::ControllerPanic(at_s) if t_s >= *at_s => {
+            Fault::ControllerPanic(at_s) => {
                 panic!("as --fault controller-panic={at_s} has it");
             }
             _ => {}
@@ -223,7 +223,11 @@ impl<S: Source> Source for Faulty<S> {
             }
             let next = self.delayed.take();
             if let Some(Pulled::StepDue { now, .. }) = &next {
-                break_down(&self.faults.faults, now.seconds_since(self.start));
+                let t_s = now.seconds_since(self.start);
+                for (fault, met) in self.faults.faults.iter().zip(&mut self.met) {
+                    *met |= fault.breaks_down_at(t_s);
+                }
+                break_down(&self.faults.faults, t_s);
             }
             return Ok(next);
         }

@@ -164,6 +164,18 @@ fn faults_that_meet_nothing() {
     assert!(run.stderr.contains(&format!("warning: {says} in 1 of 2 logs")), "{}", run.stderr);
     assert_eq!(run.json()["logs"][0]["unmet_faults"], serde_json::json!([says]));
     assert!(run.json()["logs"][1]["unmet_faults"].is_null());
+    // A controller that is to break down after the end does not; one that is to within it does.
+    let says = "--fault controller-panic=100 changed nothing: there was no step at or after 100 s";
+    for mode in ["open", "closed"] {
+        let replay = format!("replay --mode {mode} exact.mcap --format json --fault");
+        let run = here.tandem(&format!("{replay} controller-panic=100")).succeeds();
+        assert!(run.stderr.contains(&format!("warning: exact.mcap: {says}")), "{}", run.stderr);
+        assert_eq!(run.json()["runs"][0]["unmet_faults"], serde_json::json!([says]));
+        let run = here.tandem(&format!("{replay} controller-panic=2"));
+        assert_eq!(run.status, 2, "{}", run.stderr);
+        assert!(run.stderr.contains("the controller panicked"), "{}", run.stderr);
+        assert!(!run.stderr.contains("changed nothing"), "{}", run.stderr);
+    }
     let run = here.tandem("replay exact.mcap --fault sonar-dead=20").exits(2);
     assert!(run.stderr.contains("from 0 to 15"), "{}", run.stderr);
 }

@@ -166,7 +166,8 @@ impl Fault {
         }
     }
 
-    /// Whether a sample is one that it changes; of its amount nothing is asked.
+    /// Whether a sample is one that it changes; of its amount nothing is asked. A controller's own faults
+    /// change none.
     pub(super) fn meets(&self, sample: &Sample, start: Time) -> bool {
         match (self, sample) {
             (Fault::SonarDead(id), Sample::Sonar(scan)) => {
@@ -177,8 +178,7 @@ impl Fault {
                 Sample::Sonar(_),
             )
             | (Fault::GyroBias(_), Sample::Imu(_))
-            | (Fault::EncoderSlip(_), Sample::Encoders(_))
-            | (Fault::ControllerHang(_) | Fault::ControllerPanic(_), _) => true,
+            | (Fault::EncoderSlip(_), Sample::Encoders(_)) => true,
             (Fault::Latency(_) | Fault::Jitter(_), sample) => {
                 !matches!(sample, Sample::Joystick(_))
             }
@@ -202,9 +202,15 @@ impl Fault {
             Fault::JoystickFreeze(from_s, to_s) => {
                 format!("no joystick sample from {from_s} to {to_s} s")
             }
-            // Of the controller itself: it breaks down when its time comes, and waits for nothing.
-            Fault::ControllerHang(_) | Fault::ControllerPanic(_) => "nothing".to_owned(),
+            Fault::ControllerHang(at_s) | Fault::ControllerPanic(at_s) => {
+                format!("no step at or after {at_s} s")
+            }
         }
+    }
+
+    /// Whether a controller that is to step at `t_s` seconds from the start hangs or panics.
+    pub(super) fn breaks_down_at(&self, t_s: f64) -> bool {
+        matches!(self, Fault::ControllerHang(at_s) | Fault::ControllerPanic(at_s) if t_s >= *at_s)
     }
 
     /// Whether the joystick is stuck at `t_s` seconds from the start.

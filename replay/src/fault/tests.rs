@@ -200,8 +200,14 @@ fn faults_that_meet_nothing_are_told() {
         let names: Vec<String> =
             unmet(&all, SensorSuite::Exact, mode).into_iter().map(|(name, _)| name).collect();
         assert_eq!(names, all[..6], "exact poses come late, and the joystick is heard");
-        let late = ["sonar-dead=3", "joystick-freeze=4-5"];
-        let none = ["no reading of sonar 3", "no joystick sample from 4 to 5 s"];
+        let late =
+            ["sonar-dead=3", "joystick-freeze=4-5", "controller-hang=3.05", "controller-panic=100"];
+        let none = [
+            "no reading of sonar 3",
+            "no joystick sample from 4 to 5 s",
+            "no step at or after 3.05 s",
+            "no step at or after 100 s",
+        ];
         let told = unmet(&late, SensorSuite::Exact, mode);
         let want: Vec<_> = late
             .iter()
