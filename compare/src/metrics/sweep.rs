@@ -363,6 +363,20 @@ mod tests {
         assert_eq!(course.end_s(), 0.375);
     }
 
+    /// The chord of a circle of radius v/ω over an angle φ is 2 v/ω sin(φ/2), in the direction φ/2; also where
+    /// the turn is so slight that the quotient would lose digits.
+    #[test]
+    fn an_arc_ends_where_its_chord_does() {
+        for omega_radps in [1.9e-4_f64, 1e-5, 2.1e-4, 0.5] {
+            let Pose { x_m, y_m, theta_rad } = arc(&Pose::default(), twist(2.0, omega_radps), 1.0);
+            let chord_m = 4.0 / omega_radps * (0.5 * omega_radps).sin();
+            let (sin, cos) = (0.5 * omega_radps).sin_cos();
+            let off_m = (x_m - chord_m * cos).abs().max((y_m - chord_m * sin).abs());
+            assert!(off_m < 1e-14, "{omega_radps} rad/s: {off_m}");
+            assert_eq!(theta_rad, omega_radps);
+        }
+    }
+
     #[test]
     fn straight_ahead_the_front_edge_touches_first() {
         // 4 − 2 − 0.25 = 1.75 m at 0.7 m/s.
