@@ -39,6 +39,9 @@ pub struct Outcome {
     pub end_s: f64,
     /// The faults that met nothing that they could change: the log has no such sensor, say.
     pub unmet_faults: Vec<Fault>,
+    /// Where the log begins in the middle of its session: its first step, seconds from the session's start.
+    /// What the controller had learnt until then is not in it.
+    pub begins_late_s: Option<f64>,
     /// Why the replay ended before the log should have, where it did.
     pub damage: Option<String>,
     /// Closed loop: when the simulated run parted from the recorded one.
@@ -60,6 +63,8 @@ pub(crate) struct Tally {
     replayed: OutputHash,
     recorded: OutputHash,
     lacking: Lacking,
+    /// Index and time of the first recorded step.
+    begins: Option<(u64, f64)>,
     deviation: Option<Deviation>,
     pub(crate) damage: Option<Arc<LogError>>,
 }
@@ -112,6 +117,7 @@ impl Tally {
             replayed: OutputHash::new(covered, start),
             recorded: OutputHash::new(covered, start),
             lacking: Lacking::new(),
+            begins: None,
             deviation: None,
             damage: None,
         }
@@ -149,6 +155,8 @@ impl Tally {
     pub(crate) fn recorded(&mut self, event: &Stamped<Event>) {
         if let Event::Step(step) = &event.value {
             self.lacking.hear(step, RECORDED);
+            let t_s = step.stamp.seconds_since(self.start);
+            self.begins.get_or_insert((step.step_index, t_s));
         }
         self.recorded.update(event);
     }
@@ -199,6 +207,7 @@ impl Tally {
             duration_s: self.last.seconds_since(self.first.unwrap_or(self.start)),
             end_s: self.last.seconds_since(self.start),
             unmet_faults: Vec::new(),
+            begins_late_s: self.begins.filter(|(index, _)| *index > 0).map(|(_, t_s)| t_s),
             damage: self.damage.map(|damage| damage.to_string()),
             horizon: None,
             furthest: None,

@@ -196,6 +196,22 @@ fn an_end_beyond_the_end() {
     }
 }
 
+/// What a replay of a part wrote begins in the middle of a session: that is told when it is replayed itself,
+/// not of a part of a whole log.
+#[test]
+fn a_log_of_a_part() {
+    let here = Workplace::new();
+    here.record("log.mcap", "--scenario case1-lab --duration 4");
+    let part = here.tandem("replay log.mcap --from 2 -o part.mcap").succeeds();
+    assert!(!part.stderr.contains("middle of its session"), "{}", part.stderr);
+    for mode in ["open", "closed"] {
+        let run = here.tandem(&format!("replay part.mcap --mode {mode} --format json"));
+        let says = "warning: part.mcap: the log begins in the middle of its session, at 2.00 s";
+        assert!(run.stderr.contains(says), "{mode}: {}", run.stderr);
+        assert!(run.stdout.contains("\"begins_late_s\": 2.0"), "{mode}: {}", run.stdout);
+    }
+}
+
 #[test]
 fn another_control_period_in_open_loop() {
     let here = Workplace::new();

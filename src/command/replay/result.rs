@@ -46,6 +46,8 @@ pub(super) struct Run {
     pub(super) floor: Option<BTreeMap<&'static str, f64>>,
     /// The faults that met nothing that they could change.
     pub(super) unmet_faults: Vec<String>,
+    /// Where the log begins in the middle of its session, seconds from the session's start.
+    pub(super) begins_late_s: Option<f64>,
     pub(super) realtime_factor: Option<f64>,
     pub(super) cpu_s: Option<f64>,
     pub(super) error: Option<String>,
@@ -231,6 +233,7 @@ impl Run {
             cpu_s: None,
             error: None,
             unmet_faults: Vec::new(),
+            begins_late_s: None,
             duration_s: 0.0,
             end_s: 0.0,
             interrupted: false,
@@ -264,6 +267,8 @@ impl Run {
             duration_s: outcome.duration_s,
             end_s: outcome.end_s,
             unmet_faults: outcome.unmet_faults.iter().map(faults::unmet).collect(),
+            // Where a part was asked for, it is the part that begins there.
+            begins_late_s: outcome.begins_late_s.filter(|_| outcome.warm_up.is_none()),
             ..Run::blank(log, mode, controller)
         }
     }
@@ -280,6 +285,13 @@ impl Run {
             warnings.push(format!("{CONTRADICTED}; {WAY_OUT}"));
         }
         warnings.extend(self.unmet_faults.iter().cloned());
+        if let Some(t_s) = self.begins_late_s {
+            warnings.push(format!(
+                "the log begins in the middle of its session, at {t_s:.2} s: what its controller had learnt \
+                 until then is not in it, and a closed loop drives from the session's start; replay the whole \
+                 log with --from {t_s:.2}"
+            ));
+        }
         // A log ends within a period of its last step; what ended it early is told by itself.
         let whole = self.is_replayed() && self.error.is_none();
         if let Some(to_s) = to_s.filter(|to_s| whole && *to_s > self.end_s + self.period_s) {
