@@ -83,7 +83,9 @@ mod tests {
             let rank = |_: usize, count: usize| (count as f64 * share) as usize;
             let pass = |see: &mut dyn FnMut(usize, f64)| {
                 for (heap, numbers) in heaps.iter().enumerate() {
-                    numbers.iter().for_each(|number| see(heap, *number));
+                    for number in numbers {
+                        see(heap, *number);
+                    }
                 }
             };
             let found: [Option<f64>; 3] = ranked(pass, rank);

@@ -297,7 +297,9 @@ mod tests {
                 list[*index] = *moment;
                 moments.change(*index, |changed| *changed = *moment);
                 if forgets == Some(turn) {
-                    list.iter_mut().for_each(|moment| moment.state = None);
+                    for moment in &mut list {
+                        moment.state = None;
+                    }
                     moments.forget_states();
                 }
             }
