@@ -477,6 +477,46 @@ mod tests {
         assert_eq!(ask(spin, 0.0, 1.0, 3.0), None);
     }
 
+    /// A contact that is over within the shortest step is for those to find who go step by step: a corner that
+    /// turns past a wall, a disc that passes the body at rest, a disc at rest that the body passes. Half as
+    /// deep as the fastest of their points goes in such a step nothing is said, twice as deep it is certain.
+    #[test]
+    fn a_touch_in_passing_is_certain_where_it_is_deep() {
+        let footprint = scenario().robot.footprint;
+        let reach_m = footprint.circumscribed_radius_m();
+        let disc = |from_m, to_m, speed_mps| MovingDisc {
+            radius_m: 0.15,
+            from_m,
+            to_m,
+            speed_mps,
+            start_s: 0.0,
+            to_and_fro: false,
+        };
+        for (share, said) in [(0.5, None), (2.0, Some(true))] {
+            let ask = |discs: Vec<MovingDisc>, pose: Pose, v_mps, omega_radps, span_s| {
+                let world = World { discs, ..scenario().world };
+                let certain = Certain::new(&world, footprint);
+                certain.touches(&world, &pose, 0.0, Twist { v_mps, omega_radps }, span_s)
+            };
+            // The corner stands across to the wall in the middle of 1 s.
+            let deep_m = share * SHORTEST_S * 1.2 * reach_m;
+            let y_m = 2.0 - reach_m + deep_m;
+            let theta_rad = std::f64::consts::FRAC_PI_4 - 0.6;
+            let spin = ask(Vec::new(), Pose { y_m, theta_rad, ..MIDDLE }, 0.0, 1.2, 1.0);
+            assert_eq!(spin, said, "spinning, {share}");
+            // The disc is beside the body in the middle of 2 s.
+            let deep_m = share * SHORTEST_S * 0.8;
+            let y_m = 1.0 + 0.25 + 0.15 - deep_m;
+            let passing = ask(vec![disc([1.2, y_m], [2.8, y_m], 0.8)], MIDDLE, 0.0, 0.0, 2.0);
+            assert_eq!(passing, said, "passed by, {share}");
+            let deep_m = share * SHORTEST_S * 0.7;
+            let at_m = [2.0, 1.0 + 0.25 + 0.15 - deep_m];
+            let beside = Pose { x_m: 1.3, ..MIDDLE };
+            let passed = ask(vec![disc(at_m, at_m, 0.0)], beside, 0.7, 0.0, 2.0);
+            assert_eq!(passed, said, "passing, {share}");
+        }
+    }
+
     /// What was not thought of is not spoken about.
     #[test]
     fn nothing_is_said_of_odd_worlds_and_numbers() {
