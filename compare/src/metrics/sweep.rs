@@ -377,6 +377,13 @@ mod tests {
         }
     }
 
+    /// No point of a body of 0.5 m × 0.5 m is farther from its middle than half its diagonal.
+    #[test]
+    fn no_point_of_the_body_is_faster() {
+        let fastest_mps = room().speed_mps(twist(-0.3, -2.0));
+        assert!((fastest_mps - (0.3 + 2.0 * 0.125_f64.sqrt())).abs() < 1e-12, "{fastest_mps}");
+    }
+
     #[test]
     fn straight_ahead_the_front_edge_touches_first() {
         // 4 − 2 − 0.25 = 1.75 m at 0.7 m/s.
