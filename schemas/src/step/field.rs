@@ -47,7 +47,7 @@ impl Node {
     }
 }
 
-/// What is to be known about one field of a [`Step`].
+/// What is to be known about one field of a [`Step`](super::Step).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Field {
     /// Name, with the unit as its suffix, as in the protobuf schema.
