@@ -217,7 +217,8 @@ impl Tally {
 }
 
 /// How far two values of a field are apart, directions the short way round. NaN equals NaN; a number and a
-/// NaN are infinitely far apart. Names, flags and hashes have no distance: they are left to the hash and to `tandem diff`.
+/// NaN are infinitely far apart. Names, flags and hashes have no distance: they are left to the hash and to
+/// `tandem diff`.
 fn difference(field: &Field, a: &Value, b: &Value) -> f64 {
     let apart = |off: f64, direction: bool| if direction { wrap(off).abs() } else { off.abs() };
     let of = |a: f64, b: f64, direction: bool| match (a.is_nan(), b.is_nan()) {

@@ -1,24 +1,29 @@
 //! `tandem replay`: logs through a controller again.
 
+mod destination;
 mod ladder;
+mod options;
 mod result;
 
 use std::cell::Cell;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fs;
 use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use ::compare::{CATALOGUE, Meter};
 use anyhow::{Context as _, Result, bail, ensure};
-use clap::{Args, ValueEnum};
+use clap::Args;
+pub use destination::replay_header;
 use ladder::Ladder;
-use replay::{Gains, Mode, Outcome, Person, PlantClaim, Reaction, Recording, Window};
+use options::seconds;
+pub use options::{How, HumanName, ModeName, PlantName, patience};
+use replay::{Gains, Mode, Outcome, PlantClaim, Reaction, Recording, Window};
 use result::{Crossings, Doubt, Plant, Run};
-use schemas::{Event, Explored, Header, RunInfo, Scenario, Span, Stamped, World};
+use schemas::{Event, Explored, Header, Scenario, Span, Stamped, World};
 use serde::Serialize;
 
 use crate::arm::DrivenPlant;
@@ -83,109 +88,6 @@ pub struct Replay {
     /// one log, a folder for several
     #[arg(long, short, value_name = "FILE|DIR")]
     pub output: Option<PathBuf>,
-}
-
-/// Open or closed loop, and with which person.
-#[derive(Args, Clone, Copy)]
-pub struct How {
-    /// Open loop (recorded sensors) or closed loop (recorded person, simulated robot)
-    #[arg(long, value_enum, default_value_t = ModeName::Open)]
-    pub mode: ModeName,
-    /// How the recorded person is brought back in closed loop
-    #[arg(long, value_enum, default_value_t = HumanName::Playback)]
-    pub human: HumanName,
-    /// Give up on a controller that does not answer for so many seconds; its log then has failed
-    #[arg(long, default_value = "30", value_name = "SECONDS", value_parser = patience)]
-    pub hang_after: Duration,
-}
-
-/// `--mode`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ModeName {
-    /// Recorded sensors in, outputs compared
-    Open,
-    /// Recorded person, simulated robot
-    Closed,
-}
-
-/// `--human`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum HumanName {
-    /// The joystick as a function of time: a person who does not look
-    Playback,
-    /// The joystick as a function of the distance travelled: one who never gives in
-    Path,
-    /// Where the joystick pointed, or the task's trajectory: an estimate with nothing fitted
-    Intent,
-    /// A person fitted to the logs, with what the fit leaves unexplained: an estimate
-    Fitted,
-    /// All of them, side by side
-    Ladder,
-}
-
-/// `--plant`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum PlantName {
-    /// As the log's scenario has it
-    Recorded,
-    /// Identified from the log: commands against what wheels and gyro then showed
-    Identified,
-}
-
-/// A span of real time.
-pub fn patience(text: &str) -> Result<Duration, String> {
-    let seconds = seconds(text).ok().filter(|seconds| *seconds > 0.0);
-    let seconds = seconds.ok_or("expected more than 0 seconds, such as 30")?;
-    Duration::try_from_secs_f64(seconds).map_err(|error| error.to_string())
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    match text.trim_end_matches('s').parse::<f64>() {
-        Ok(seconds) if seconds >= 0.0 && seconds.is_finite() => Ok(seconds),
-        _ => Err("expected seconds from the start of the log".to_owned()),
-    }
-}
-
-impl HumanName {
-    /// The levels that it names.
-    pub fn levels(self, gains: Gains) -> Vec<Person> {
-        match self {
-            HumanName::Playback => vec![Person::Playback],
-            HumanName::Path => vec![Person::Path],
-            HumanName::Intent => vec![Person::Intent],
-            HumanName::Fitted => vec![Person::Fitted(gains)],
-            HumanName::Ladder => Person::ladder(gains).to_vec(),
-        }
-    }
-}
-
-impl ModeName {
-    /// Refuses what would have no effect in open loop.
-    pub fn refuse_without_effect(self, human: HumanName, plant: PlantName) -> Result<()> {
-        let open = self == ModeName::Open;
-        ensure!(
-            !open || human == HumanName::Playback,
-            "in open loop the recorded joystick is heard: --human goes with --mode closed"
-        );
-        ensure!(
-            !open || plant == PlantName::Recorded,
-            "in open loop the robot moves as recorded: --plant goes with --mode closed"
-        );
-        Ok(())
-    }
-
-    /// With the one person that it needs; of the ladder its last level.
-    pub fn with(self, human: HumanName, gains: Gains) -> Mode {
-        match self {
-            ModeName::Open => Mode::Open,
-            ModeName::Closed => Mode::Closed(human.levels(gains).pop().unwrap_or(Person::Playback)),
-        }
-    }
-
-    /// Whether a fit is needed.
-    pub fn needs_gains(self, human: HumanName) -> bool {
-        self == ModeName::Closed && matches!(human, HumanName::Fitted | HumanName::Ladder)
-    }
 }
 
 #[derive(Serialize)]
@@ -431,41 +333,6 @@ impl Replay {
         Window { from_s: self.from.unwrap_or(0.0), to_s: self.to.unwrap_or(f64::INFINITY) }
     }
 
-    /// Refuses a file for several results, and two logs of one name for one folder: one result would
-    /// overwrite the other.
-    fn guard_outputs(&self, common: &Common, several: bool) -> Result<()> {
-        let Some(output) = &self.output else { return Ok(()) };
-        let is_log = output.extension().is_some_and(|extension| extension == "mcap");
-        ensure!(
-            !several || !is_log || output.is_dir(),
-            "{}: several results go into a folder, each into a log of its own: name one, such as -o {}",
-            output.display(),
-            output.with_extension("").display()
-        );
-        side_by_side::guard_layout(&side_by_side::layout_beside(output, several), common.force)?;
-        let mut seen = BTreeMap::new();
-        for log in &self.logs {
-            // A log that cannot be read is written nowhere, and reported in its turn.
-            let Ok(controller) =
-                logs::open(log).and_then(|log| self.controller.for_log(log.header()))
-            else {
-                continue;
-            };
-            let path = logs::output_for(log, &controller.name, output, several);
-            if let Some(other) = seen.insert(path.clone(), log) {
-                let same = fs::canonicalize(other).ok() == fs::canonicalize(log).ok();
-                ensure!(!same, "{} is named twice; name it once", log.display());
-                bail!(
-                    "{} and {} would both be written to {}; replay them into different folders",
-                    other.display(),
-                    log.display(),
-                    path.display()
-                );
-            }
-        }
-        Ok(())
-    }
-
     fn replay_one(
         &self,
         common: &Common,
@@ -563,23 +430,6 @@ impl Replay {
         })
     }
 
-    /// Where a replay goes; each level of the ladder into a file of its own.
-    fn output_for(
-        &self,
-        log: &Path,
-        controller: &str,
-        mode: Mode,
-        output: &Path,
-        several: bool,
-    ) -> PathBuf {
-        match human_name(mode) {
-            Some(level) if self.how.human == HumanName::Ladder => {
-                logs::output_for(log, &format!("{controller}.{level}"), output, several)
-            }
-            _ => logs::output_for(log, controller, output, several),
-        }
-    }
-
     fn status(&self, outcome: &Outcome, mode: Mode, interrupted: bool) -> Status {
         if interrupted {
             return Status::Impossible;
@@ -593,28 +443,4 @@ impl Replay {
             Status::Done
         }
     }
-}
-
-fn human_name(mode: Mode) -> Option<&'static str> {
-    match mode {
-        Mode::Open => None,
-        Mode::Closed(person) => Some(person.name()),
-    }
-}
-
-/// The head of a replayed log: the recording's, with the controller that was replayed.
-pub fn replay_header(
-    recorded: &Header,
-    spec: &controller::Spec,
-    mode: Mode,
-    source_hash: String,
-) -> Header {
-    let run = RunInfo {
-        mode: mode.name().to_owned(),
-        driver: human_name(mode).map_or_else(|| recorded.run.driver.clone(), str::to_owned),
-        source_hash,
-        ..recorded.run.clone()
-    };
-    let period = Span::from_seconds(spec.params.control_period_s);
-    logs::header(spec, recorded.scenario.clone(), recorded.run.start, period, run)
 }

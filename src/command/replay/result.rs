@@ -8,7 +8,7 @@ use compare::{CATALOGUE, Measured};
 use replay::{AxisDoubt, Estimate, Mode, Outcome, PlantDoubt, PlantEstimate, WarmUp};
 use serde::Serialize;
 
-use super::human_name;
+use super::destination::human_name;
 use crate::faults;
 use crate::interrupt::Interrupted;
 use crate::status::Status;
