@@ -75,6 +75,11 @@ impl Cones {
         Cones { cones: [silent; SONARS.len()], all_fresh: false }
     }
 
+    /// What this sonar said last.
+    pub(super) fn reading(&self, id: usize) -> Reading {
+        self.cones[id].reading
+    }
+
     /// When this sonar last fired.
     pub(super) fn fired(&self, id: usize) -> Option<Time> {
         self.cones[id].fired

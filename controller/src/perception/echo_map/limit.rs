@@ -89,7 +89,7 @@ impl EchoMap {
         };
         let mut nearest: Option<LimitingEcho> = None;
         let mut offer = |point: &Point, in_gap: bool| {
-            if laws && !point.confirmed {
+            if !point.counts() || laws && !point.confirmed {
                 return;
             }
             let doubt = doubts.about(point);

@@ -10,7 +10,8 @@
 //! 2. what has grown old is forgotten;
 //! 3. the rest is drawn nearer by its uncertainty and sorted by direction about the predicted pose: the
 //!    virtual scan (`scan`). Confirmed points make the scan of the law, all points that of the safety
-//!    layer: a false echo may stop the robot for 0.4 s, but never starts the feedback law. Only the
+//!    layer, but for those of echoes that contradict what their sonar heard just before (`surprise`): a
+//!    false echo may stop the robot for 0.4 s, but never starts the feedback law. Only the
 //!    safety layer reckons with what has moved since it was heard: the law's distances would sway with
 //!    every sweep, and k with them;
 //! 4. rays are answered from the scans, and by `cones` where nothing is known.
@@ -32,6 +33,7 @@ mod points;
 mod ray;
 mod scan;
 mod sightings;
+mod surprise;
 mod walls;
 
 use schemas::{Disc, Footprint, Pose, SONARS, SonarEcho, SonarScan, Time};
@@ -46,6 +48,7 @@ use self::points::{PlacedEcho, Points};
 use self::ray::{Lane, Ray, least_free_m};
 use self::scan::Scan;
 use self::sightings::{Sightings, drawn_nearer_m};
+use self::surprise::surprises;
 use crate::digest::Digest;
 use crate::estimation::Odometry;
 
@@ -228,11 +231,12 @@ impl EchoMap {
     /// Most points there can be, those of walls between them too.
     pub(crate) const MOST_POINTS: usize = Points::CAPACITY + walls::MOST_POINTS;
 
-    /// Everything that was heard, each point as a disc of its uncertainty, world frame, and whether it
+    /// Everything that was heard and counts, each point as a disc of its uncertainty, world frame, and whether it
     /// may be on its way. To be asked after [`EchoMap::advance`].
     pub(crate) fn near_points(&self) -> impl Iterator<Item = (Disc, bool)> + '_ {
         let doubts = self.sightings.doubts();
-        self.points.as_slice().iter().zip(doubts).map(|(point, (nearer_m, moves))| {
+        let counted = self.points.as_slice().iter().zip(doubts).filter(|(point, _)| point.counts());
+        counted.map(|(point, (nearer_m, moves))| {
             (Disc { centre_m: point.at_m, radius_m: nearer_m }, moves)
         })
     }
@@ -337,6 +341,10 @@ impl EchoMap {
             return;
         };
         let reading = Reading::of(echo);
+        let doubted = match reading {
+            Reading::Echo(range_m) => surprises(&self.cones, id, range_m, echo.fired),
+            Reading::Silent | Reading::Unknown => false,
+        };
         self.cones.hear(id, echo.fired, reading);
         let Reading::Echo(range_m) = reading else { return };
 
@@ -353,8 +361,10 @@ impl EchoMap {
             fired: echo.fired,
             odometer_m,
         };
-        let confirmed = self.points.hear(&placed);
-        self.gaps.hear(id, &self.beams, &to_world, &placed, confirmed);
+        let confirmed = self.points.hear(&placed, doubted);
+        if confirmed || !doubted {
+            self.gaps.hear(id, &self.beams, &to_world, &placed, confirmed);
+        }
     }
 
     /// Builds both scans about a place.

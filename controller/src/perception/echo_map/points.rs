@@ -83,6 +83,8 @@ pub(super) struct Point {
     pub(super) odometer_m: f64,
     /// Whether another firing heard it too.
     pub(super) confirmed: bool,
+    /// Whether it is passed over until another firing hears it too.
+    pub(super) doubted: bool,
     /// How many other firings have heard it, of all the echoes that repeated one another.
     heard: u8,
     /// How many newer echoes have looked through it.
@@ -96,7 +98,23 @@ impl Point {
     pub(super) fn new(echo: &PlacedEcho, at_m: [f64; 2], confirmed: bool) -> Point {
         let PlacedEcho { sonar, range_m, fired, odometer_m, .. } = *echo;
         let heard = u8::from(confirmed);
-        Point { sonar, at_m, range_m, fired, odometer_m, confirmed, heard, carved: 0, since: fired }
+        Point {
+            sonar,
+            at_m,
+            range_m,
+            fired,
+            odometer_m,
+            confirmed,
+            doubted: false,
+            heard,
+            carved: 0,
+            since: fired,
+        }
+    }
+
+    /// Whether something is taken to be there.
+    pub(super) fn counts(&self) -> bool {
+        self.confirmed | !self.doubted
     }
 
     /// How many echoes must have looked through it before it goes.
@@ -108,8 +126,9 @@ impl Point {
         digest.numbers(&[self.at_m[0], self.at_m[1], self.range_m, self.odometer_m]);
         digest.time(self.fired, start);
         digest.time(self.since, start);
-        let Point { sonar, heard, carved, confirmed, .. } = *self;
-        digest.word(u64::from(u32::from_le_bytes([sonar, heard, carved, u8::from(confirmed)])));
+        let Point { sonar, heard, carved, confirmed, doubted, .. } = *self;
+        let flags = u8::from(doubted) << 1 | u8::from(confirmed);
+        digest.word(u64::from(u32::from_le_bytes([sonar, heard, carved, flags])));
     }
 }
 
@@ -184,8 +203,8 @@ impl Points {
         self.y_m.clear();
     }
 
-    /// Takes an echo; true if it is confirmed.
-    pub(super) fn hear(&mut self, echo: &PlacedEcho) -> bool {
+    /// Takes an echo; true if it is confirmed. If it is not, `doubted` says whether it is to be passed over.
+    pub(super) fn hear(&mut self, echo: &PlacedEcho, doubted: bool) -> bool {
         let arc = Arc::of(echo, self.slopes);
         self.meet(&arc);
         let mut points = echo.arc_m.map(|at_m| Point::new(echo, at_m, true));
@@ -193,7 +212,7 @@ impl Points {
         if confirmed {
             self.weigh();
         } else {
-            points = echo.arc_m.map(|at_m| Point::new(echo, at_m, false));
+            points = echo.arc_m.map(|at_m| Point { doubted, ..Point::new(echo, at_m, false) });
         }
         for point in points {
             self.make_room();

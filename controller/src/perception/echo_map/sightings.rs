@@ -24,7 +24,7 @@ pub(super) struct Sightings {
     dy_m: Vec<f64>,
     distance_m: Vec<f64>,
     direction: Vec<u8>,
-    /// How much nearer each counts, metres: for the safety layer …
+    /// How much nearer each counts, metres: for the safety layer, −∞ where that passes it over …
     nearer_m: Vec<f64>,
     moves: Vec<bool>,
     /// … and for the law, −∞ where that does not see it.
@@ -68,7 +68,7 @@ impl Sightings {
         let columns = self.nearer_m.iter_mut().zip(&mut self.law_nearer_m).zip(&mut self.moves);
         for (point, ((nearer_m, law_nearer_m), moves)) in points.as_slice().iter().zip(columns) {
             let doubt = doubt(point);
-            *nearer_m = doubt.nearer_m();
+            *nearer_m = if point.counts() { doubt.nearer_m() } else { f64::NEG_INFINITY };
             *law_nearer_m = if point.confirmed { doubt.stands_m } else { f64::NEG_INFINITY };
             *moves = doubt.moves;
         }

@@ -204,3 +204,58 @@ fn what_has_stood_for_a_second_is_not_on_its_way() {
     // 0.3 m/s · 0.32 s, straight ahead but for the 0.027 m by which the sonars stand aside.
     assert!((moved_m(0.055) - 0.096).abs() < 1e-3, "{}", moved_m(0.055));
 }
+
+/// Sonar 3 hears the wall at 1.755 m, and a sweep later something at 0.3 m: the sound of another sonar, or
+/// someone. While nothing else says so it is passed over; said again it blocks, for law and safety layer.
+#[test]
+fn an_echo_out_of_nowhere_waits_for_another() {
+    let mut rig = Rig::new();
+    rig.sweep_twice(&[(3, 1.755), (4, 1.755)]);
+    let free_m = rig.safety(10.0);
+    rig.wait(320);
+    rig.sweep(&[(3, 0.3), (4, 1.755)]);
+    assert_eq!(rig.safety(10.0), free_m);
+    assert!(rig.map.near_points().all(|(point, _)| point.centre_m[0] > 1.0));
+    rig.wait(320);
+    rig.sweep(&[(3, 0.3), (4, 1.755)]);
+    assert!(rig.safety(10.0) < 0.25 && rig.law(10.0) < 0.25);
+}
+
+/// The same counts at once if a neighbour hears something beside it, if it came nearer by no more than what
+/// can approach in a sweep, if the sonar heard nothing before, and if nobody knows what is beside.
+#[test]
+fn an_echo_that_may_be_something_counts_at_once() {
+    let after = |before: &[(u8, f64)], now: &[(u8, f64)], deaf: Option<u8>| {
+        let mut rig = Rig::new();
+        rig.sweep_twice(before);
+        rig.wait(320);
+        if let Some(id) = deaf {
+            rig.say(id, f64::NAN, true);
+        }
+        for (id, range_m) in now {
+            rig.wait(20);
+            rig.say(*id, *range_m, true);
+        }
+        rig.advance();
+        // The middle of the arc of sonar 3 at 0.6 m.
+        let (sin, cos) = libm::sincos(10_f64.to_radians());
+        let [x, y] = [0.245 + 0.6 * cos, 0.027 + 0.6 * sin];
+        let there = |[a, b]: [f64; 2]| libm::hypot(a - x, b - y) < 1e-6;
+        rig.map.near_points().any(|(point, _)| there(point.centre_m))
+    };
+    // From 1.0 m to 0.6 m, alone: passed over.
+    let far = [(3, 1.0)];
+    assert!(!after(&far, &[(3, 0.6)], None));
+    // The sonar beside heard as much, or nearer; one two places farther does not count.
+    assert!(after(&[(3, 1.0), (2, 1.0)], &[(2, 0.85), (3, 0.6)], None));
+    assert!(after(&[(3, 1.0), (2, 1.0)], &[(2, 0.4), (3, 0.6)], None));
+    assert!(!after(&[(3, 1.0), (2, 1.0)], &[(2, 0.95), (3, 0.6)], None));
+    assert!(!after(&[(3, 1.0), (1, 0.6)], &[(1, 0.6), (3, 0.6)], None));
+    // By 0.3 m.
+    assert!(after(&[(3, 0.9)], &[(3, 0.6)], None));
+    // After silence.
+    assert!(after(&[], &[(3, 0.6)], None));
+    // Nobody knows what is to its right, or its left.
+    assert!(after(&far, &[(3, 0.6)], Some(4)));
+    assert!(after(&far, &[(3, 0.6)], Some(2)));
+}
