@@ -31,6 +31,7 @@ const PRINTED: &[(&str, Setting)] = &[
     ("wait", Name("never")),
     ("reverse_law", Name("same")),
     ("margin", Name("never")),
+    ("sonar_shortfall_m", Number(0.0)),
     ("v_rest_mps", Number(0.0)),
     ("saturation", Name("clip")),
     ("projection", Name("none")),

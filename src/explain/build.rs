@@ -3,9 +3,9 @@
 use std::path::Path;
 
 use controller::safety::Projection;
-use controller::sharing::{Precaution, classify_printed, classify_total, critical_distance_m};
+use controller::sharing::{classify_printed, classify_total, critical_distance_m};
 use controller::{Law, Ray, Spec};
-use schemas::{Region, Step, Value};
+use schemas::{Region, SensorSuite, Step, Value};
 
 use super::account::{
     Asked, Changed, ChangedRow, Distances, Echo, Explanation, LawTold, Request, Safety, Sets, Side,
@@ -147,19 +147,14 @@ fn sets(
     (sets.form, sets.d_mode) = (Some(params.sets.name()), Some(mode(spec, scenario).name()));
     (sets.b1_m, sets.b2_m) = (Some(b1_m), Some(b2_m));
     let printed = params.sets == controller::sharing::Sets::Printed;
-    let margin = match params.margin {
-        Precaution::Never => false,
-        Precaution::Sonar => moment.header.run.sensors == "sonar",
-        Precaution::Always => true,
-    };
+    let by_sonar = moment.header.run.sensors == SensorSuite::Sonar.name();
+    let sensors = if by_sonar { SensorSuite::Sonar } else { SensorSuite::Exact };
     let ask = |about: &'static str, [v_mps, omega_radps]: [f64; 2], alone: bool| {
         let (distance_m, ray) = match ray_about(about) {
             Some((free_m, told)) => (Some(free_m), Some(told)),
             None => (alone.then_some(step.distance_human_m), None),
         };
-        let effective_m = distance_m.map(|d_m| {
-            if margin { d_m - params.guard_m - v_mps.abs() * params.control_period_s } else { d_m }
-        });
+        let effective_m = distance_m.map(|d_m| params.effective_m(d_m, v_mps, sensors));
         let region = distance_m.zip(effective_m).map(|(d_m, effective_m)| {
             if printed {
                 classify_printed(effective_m, v_mps, b1_m, b2_m)

@@ -56,6 +56,15 @@ impl Page {
     }
 }
 
+/// Why D is not compared as it was measured.
+fn why(d_m: f64, effective_m: f64) -> &'static str {
+    if effective_m > d_m {
+        "sonars make D too short (`sonar_shortfall_m`)"
+    } else {
+        "less guard and one period's travel"
+    }
+}
+
 fn sets(page: &mut Page, told: &Explanation) {
     let sets = &told.sets;
     page.title("Sets (12)");
@@ -73,7 +82,7 @@ fn sets(page: &mut Page, told: &Explanation) {
         if let Some(effective_m) = asked.effective_m.filter(|effective_m| *effective_m != d_m) {
             page.row(
                 "  D_eff",
-                format!("{}  less guard and one period's travel", metres(effective_m)),
+                format!("{}  as compared: {}", metres(effective_m), why(d_m, effective_m)),
             );
         }
         page.row("  Dc(b1)", format!("{}  dangerous up to here", metres(asked.critical1_m)));

@@ -263,6 +263,9 @@ parameters! {
     sets: Sets = Sets::Total, "", Allowed::Names(Sets::NAMES), "specification §5, errata 10 and 11";
     /// When the sets see D less the guard and the travel of one period.
     margin: Precaution = Precaution::Never, "", Allowed::Names(Precaution::NAMES), "specification §5";
+    /// How much longer than measured with sonars the sets take D to be, which the doubt about echoes makes
+    /// too short.
+    sonar_shortfall_m: f64 = 0.12, "m", range(0.0, 1.0), "measured: specification §5";
     /// Distance that the swept body keeps from everything that it is that far from.
     body_guard_m: f64 = 0.03, "m", range(0.0, 1.0), "specification §9, S2 and S3";
     /// Distance kept free by the margin and by the cone of the safety layer.

@@ -2,6 +2,7 @@
 //! allowed and says so, and what is written reads back bit for bit.
 
 use proptest::prelude::*;
+use schemas::SensorSuite;
 
 use super::*;
 use crate::spec::{Law, Spec};
@@ -70,6 +71,7 @@ fn the_versions_differ_as_specified() {
     assert_eq!((paper.v_rest_mps, tandem.v_rest_mps), (0.0, 0.004));
     assert_eq!((paper.saturation, tandem.saturation), (Saturation::Clip, Saturation::Scale));
     assert_eq!((paper.projection, tandem.projection), (Projection::None, Projection::Both));
+    assert_eq!((paper.sonar_shortfall_m, tandem.sonar_shortfall_m), (0.0, 0.12));
     // Everything else is alike.
     let tandem_as_paper = Params {
         frame: paper.frame,
@@ -81,6 +83,7 @@ fn the_versions_differ_as_specified() {
         d_body: paper.d_body,
         wait: paper.wait,
         reverse_law: paper.reverse_law,
+        sonar_shortfall_m: paper.sonar_shortfall_m,
         v_rest_mps: paper.v_rest_mps,
         saturation: paper.saturation,
         projection: paper.projection,
@@ -218,4 +221,18 @@ proptest! {
             prop_assert_eq!(bits(&back), bits(&spec));
         }
     }
+}
+
+/// Specification §5: with sonars D counts as 0.12 m longer than measured; with the margin the guard of 0.02 m
+/// and 0.3 m/s for 0.1 s are taken off.
+#[test]
+fn what_the_sets_compare_is_not_what_is_measured() {
+    let tandem = Spec::resolve("tandem-kinematic", &[]).expect("listed").params;
+    let guarded = Params { margin: Precaution::Always, ..tandem.clone() };
+    let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+    close(tandem.effective_m(0.5, -0.3, SensorSuite::Exact), 0.5);
+    close(tandem.effective_m(0.5, -0.3, SensorSuite::Sonar), 0.62);
+    close(guarded.effective_m(0.5, -0.3, SensorSuite::Exact), 0.45);
+    close(guarded.effective_m(0.5, -0.3, SensorSuite::Sonar), 0.57);
+    assert!(tandem.effective_m(f64::NAN, 0.3, SensorSuite::Sonar).is_nan());
 }

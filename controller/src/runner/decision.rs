@@ -67,7 +67,6 @@ impl Runner {
         if pose.is_finite() {
             feedback = view.feedback(memory, planted, step);
             let (mode, b1_m, b2_m) = params.question(scenario.task.is_some());
-            let margin = params.margin_applies(*sensors);
             let free_plant = scenario.task.is_none().then_some(&scenario.plant);
             let question = Question {
                 request: requested,
@@ -76,7 +75,7 @@ impl Runner {
                 b1_m,
                 b2_m,
                 patience: params.patience(*sensors),
-                margin,
+                sensors: *sensors,
                 shield,
                 free_plant,
             };

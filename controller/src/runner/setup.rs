@@ -222,7 +222,21 @@ impl Params {
         })
     }
 
-    /// Whether the sets see `D_eff`.
+    /// `D_eff`, metres: D as the sets see it when asked about a speed (specification §5).
+    pub fn effective_m(&self, d_m: f64, v_mps: f64, sensors: SensorSuite) -> f64 {
+        let shortfall_m = match sensors {
+            SensorSuite::Exact => 0.0,
+            SensorSuite::Sonar => self.sonar_shortfall_m,
+        };
+        let margin_m = if self.margin_applies(sensors) {
+            self.guard_m + libm::fabs(v_mps) * self.control_period_s
+        } else {
+            0.0
+        };
+        d_m + shortfall_m - margin_m
+    }
+
+    /// Whether the sets see D less guard and travel.
     pub(super) fn margin_applies(&self, sensors: SensorSuite) -> bool {
         self.margin.applies(sensors)
     }

@@ -1,6 +1,6 @@
 //! From the request to k: D, the sets, the switch, and why.
 
-use schemas::{Plant, Reason, Region, Step};
+use schemas::{Plant, Reason, Region, SensorSuite, Step};
 
 use super::feedback::View;
 use super::memory::Memory;
@@ -21,8 +21,8 @@ pub(super) struct Question<'a> {
     pub(super) b2_m: f64,
     /// How long k = 1 is waited for, where it is.
     pub(super) patience: Option<Patience>,
-    /// Whether `D_eff` takes the place of D.
-    pub(super) margin: bool,
+    /// With which sensors D is measured.
+    pub(super) sensors: SensorSuite,
     /// The safety layer, where there is one.
     pub(super) shield: Option<Shield>,
     /// The plant, in free driving, where each stroke of the joystick is a request of its own; with a task
@@ -139,11 +139,7 @@ impl View<'_> {
         };
         let d_m = travel
             .distance_m(question.mode, |angle_rad| senses.travel_m(params.d_body, pose, angle_rad));
-        let d_effective_m = if question.margin {
-            d_m - params.guard_m - libm::fabs(v_mps) * params.control_period_s
-        } else {
-            d_m
-        };
+        let d_effective_m = params.effective_m(d_m, v_mps, question.sensors);
         let region = if printed {
             classify_printed(d_effective_m, v_mps, b1_m, b2_m)
         } else {

@@ -8,7 +8,7 @@ use super::critical_distance_m;
 /// also negative, infinite and NaN, and for a speed of either sign.
 ///
 /// `d_m` is the distance D itself, which decides about contact; `d_effective_m` is what the
-/// critical distances are compared with: `D_eff` where the margin is on, else D again.
+/// critical distances are compared with: `D_eff`.
 pub fn classify_total(d_m: f64, d_effective_m: f64, v_mps: f64, b1_m: f64, b2_m: f64) -> Region {
     // "Clear" is what must hold, so that what is not a number is never clear.
     let clear = d_effective_m > critical_distance_m(v_mps, b1_m);
