@@ -289,7 +289,7 @@ parameters! {
     /// Angular acceleration per turn rate error that a request becomes (dynamic law).
     human_gain_omega: f64 = 4.0, "1/s", range(0.0, 1000.0), "specification §7";
     /// How long a robot with sonars stands still at the start, until all of them have fired.
-    start_still_s: f64 = 0.4, "s", range(0.0, 60.0), "specification §10 (a full sweep takes 0.32 s)";
+    start_still_s: f64 = 0.3, "s", range(0.0, 60.0), "specification §10 (the last of a sweep fires after 0.28 s)";
     /// Age beyond which a joystick sample no longer counts.
     joystick_lease_s: f64 = 0.2, "s", range(0.0, 60.0), "specification §10";
     /// Age beyond which odometry no longer counts.
