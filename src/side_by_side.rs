@@ -21,14 +21,14 @@ pub fn write(
     b: impl FnMut() -> Result<Option<Stamped<Event>>>,
     stopped: impl FnOnce() -> bool,
 ) -> Result<()> {
-    let name = || path.display().to_string();
+    let cannot = || format!("cannot write {}", path.display());
     let mut unfinished = path.as_os_str().to_owned();
     unfinished.push(".unfinished");
-    let file = BufWriter::new(File::create(&unfinished).with_context(name)?);
+    let file = BufWriter::new(File::create(&unfinished).with_context(cannot)?);
     let written = match write_ab(file, headers, &WriterOptions::offline(), a, b, stopped) {
-        Ok(_) => fs::rename(&unfinished, path).with_context(name),
+        Ok(_) => fs::rename(&unfinished, path).with_context(cannot),
         Err(WriteAbError::Run(error)) => Err(error),
-        Err(WriteAbError::Log(error)) => Err(anyhow!(error)).with_context(name),
+        Err(WriteAbError::Log(error)) => Err(anyhow!(error)).with_context(cannot),
     };
     if written.is_err() {
         // What cannot be removed does no harm under that name.

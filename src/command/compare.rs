@@ -1,10 +1,10 @@
 //! `tandem compare`: two controllers on the same recorded human behaviour.
 
+mod report_files;
 mod side_by_side;
 
 use std::collections::BTreeMap;
-use std::fs::{self, OpenOptions};
-use std::io::Write as _;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -14,6 +14,7 @@ use ::compare::{
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
 use replay::{Faults, Mode};
+use report_files::{ReportFiles, append};
 use schemas::Header;
 use side_by_side::SideBySide;
 
@@ -22,6 +23,7 @@ use crate::command::replay::{HumanName, ModeName, PlantName, patience};
 use crate::controller_choice::ControllerChoice;
 use crate::faults::FaultArgs;
 use crate::fleet::watch;
+use crate::interrupt::Interrupted;
 use crate::self_test::{Answer, Ask};
 use crate::status::Status;
 use crate::{arm, attribution, interrupt, logs, output, self_test};
@@ -46,7 +48,9 @@ With broken sensors, the same for both?
   tandem compare --a paper-kinematic --b tandem-kinematic --fault sonar-dead=3 logs/*.mcap
 
 Exit status: 0 better, worse or same; 1 failed; 3 undecided.
-With a gate: 0 passed, 1 failed, 3 undecided. With --self-test: 1 also when that is not passed.")]
+With a gate: 0 passed, 1 failed, 3 undecided. With --self-test: 1 also when that is not passed.
+Where a part of the report cannot be written, the rest and the verdict come out all the same;
+the status is then 2.")]
 pub struct Compare {
     /// The controller to compare with
     #[arg(long, value_name = "C")]
@@ -96,15 +100,25 @@ pub struct Compare {
     pub alarms: u16,
 }
 
+/// A comparison, and what kept parts of its report from being written.
+pub struct Compared {
+    pub comparison: Comparison,
+    pub unwritten: Vec<anyhow::Error>,
+}
+
 impl Compare {
     pub fn run(&self, common: &Common) -> Result<Status> {
-        let comparison = self.compare(common)?;
+        let Compared { comparison, unwritten } = self.compare(common)?;
         let failed = comparison.logs.iter().filter_map(|log| Some((log, log.error.as_ref()?)));
         for (log, error) in failed.clone().filter(|(_, error)| !error.contains("interrupted")) {
             output::note(&format!("error: {}: {error}", log.log));
         }
         if interrupt::pressed() {
-            output::note(&format!("error: interrupted; {} logs not compared", failed.count()));
+            let what = match failed.count() {
+                0 => "while the report was written".to_owned(),
+                count => format!("{count} logs not compared"),
+            };
+            output::note(&format!("error: interrupted; {what}"));
         }
         if comparison.mode == "open" {
             output::note(
@@ -115,8 +129,11 @@ impl Compare {
         for warning in comparison.plant_doubts().into_iter().chain(comparison.unmet_faults()) {
             output::note(&format!("warning: {warning}"));
         }
+        for error in unwritten.iter().filter(|error| !Interrupted::caused(error)) {
+            output::error(error);
+        }
         output::print(common, &comparison, report::terminal)?;
-        if interrupt::pressed() {
+        if interrupt::pressed() || !unwritten.is_empty() {
             return Ok(Status::Impossible);
         }
         let tested = match &comparison.self_test {
@@ -150,7 +167,7 @@ impl Compare {
     }
 
     /// Compares and writes the report, without telling; also the way in for `demo`.
-    pub fn compare(&self, common: &Common) -> Result<Comparison> {
+    pub fn compare(&self, common: &Common) -> Result<Compared> {
         let gains = if self.mode.needs_gains(self.human) {
             arm::gains(common, &self.logs)
         } else {
@@ -162,7 +179,7 @@ impl Compare {
         };
         let reports = match &self.report {
             None => Vec::new(),
-            Some(folder) => report_files(folder, common.force)?,
+            Some(folder) => ReportFiles::guarded(folder, common.force)?,
         };
         let side_by_side =
             self.report.as_deref().map(|folder| SideBySide::into(folder, common.force, &self.logs));
@@ -225,31 +242,25 @@ impl Compare {
             comparison.swaps =
                 attribution::attribute(common, (&self.a, self.b()), &self.logs, how)?;
         }
-        comparison.report = reports.iter().map(|path| path.display().to_string()).collect();
-        if let (Some(folder), false) = (side_by_side, self.logs.is_empty() || modes.is_empty()) {
+        let shows = !(self.logs.is_empty() || modes.is_empty());
+        let side_by_side = side_by_side.filter(|_| shows);
+        let mut unwritten = Vec::new();
+        // What an earlier comparison left goes first, and makes room.
+        unwritten.extend(side_by_side.as_ref().and_then(|folder| folder.clear().err()));
+        let mut files = ReportFiles::write(&mut comparison, reports);
+        if let Some(folder) = side_by_side {
             let shown = shown(&modes);
-            folder.write(&mut comparison, usize::from(self.ab), |log, output| {
+            let added = folder.write(&mut comparison, usize::from(self.ab), |log, output| {
                 let arms = [&self.a, self.b()];
                 arm::write_side_by_side(&self.logs[log], arms, (shown, &faults, self.plant), output)
-            })?;
+            });
+            files.unwritten.extend(added.err());
         }
-        for path in &reports {
-            let text = match path.extension().and_then(|extension| extension.to_str()) {
-                Some("html") => report::html(&comparison)?,
-                Some("md") => report::markdown(&comparison),
-                Some("xml") => report::junit(&comparison),
-                Some("csv") => report::csv(&comparison),
-                _ => report::json(&comparison)?,
-            };
-            output::file(path, text)?;
-        }
+        unwritten.extend(files.complete(&comparison));
         if let Some(path) = &self.summary {
-            let name = || format!("cannot append to {}", path.display());
-            let mut file =
-                OpenOptions::new().create(true).append(true).open(path).with_context(name)?;
-            file.write_all(report::markdown(&comparison).as_bytes()).with_context(name)?;
+            unwritten.extend(append(&comparison, path).err());
         }
-        Ok(comparison)
+        Ok(Compared { comparison, unwritten })
     }
 }
 
@@ -376,17 +387,4 @@ fn read_gate(path: &Path) -> Result<GateFile> {
     let text =
         fs::read_to_string(path).with_context(|| format!("cannot read gate {}", path.display()))?;
     GateFile::from_toml(&text).with_context(|| path.display().to_string())
-}
-
-/// The files of a report, checked before the work begins rather than after it.
-fn report_files(folder: &Path, force: bool) -> Result<Vec<PathBuf>> {
-    let files: Vec<PathBuf> =
-        ["report.html", "report.md", "report.json", "junit.xml", "metrics.csv"]
-            .iter()
-            .map(|name| folder.join(name))
-            .collect();
-    for file in &files {
-        logs::guard(file, force)?;
-    }
-    Ok(files)
 }

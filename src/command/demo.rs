@@ -12,7 +12,7 @@ use schemas::log::LogReader;
 use serde::Serialize;
 
 use crate::cli::Common;
-use crate::command::compare::Compare;
+use crate::command::compare::{Compare, Compared};
 use crate::command::record::{Record, SensorsName};
 use crate::command::replay::{HumanName, ModeName, PlantName};
 use crate::controller_choice::ControllerChoice;
@@ -122,7 +122,11 @@ impl Demo {
                 self_test: false,
                 alarms: 0,
             };
-            comparisons.push(ComparedLine { recorded_with, comparison: compare.compare(&quiet)? });
+            let Compared { comparison, unwritten } = compare.compare(&quiet)?;
+            if let Some(error) = unwritten.into_iter().next() {
+                return Err(error);
+            }
+            comparisons.push(ComparedLine { recorded_with, comparison });
         }
 
         let identical = replays.iter().all(|line| line.identical_to_recorded);

@@ -313,6 +313,37 @@ fn both_arms_stand_side_by_side_beside_the_report() {
     }));
 }
 
+/// What cannot be written, as on a full disk, is told, and takes neither the verdict nor the rest with it.
+#[test]
+fn what_cannot_be_written_takes_nothing_with_it() {
+    let here = Workplace::new();
+    here.record("a.mcap", "--scenario random:disc:joystick:1 --duration 9");
+    here.record("b.mcap", "--scenario random:rect:goal:2 --duration 9");
+    let compare = "compare --format json --a paper-kinematic --b tandem-kinematic a.mcap b.mcap";
+    let verdict = here.tandem(compare).json()["verdict"].clone();
+    // A folder in the way of the file that it would be until it is whole.
+    let in_the_way = ["out/ab/a.mcap", "out/ab/b.mcap", "out/report.html"];
+    for file in in_the_way {
+        fs::create_dir_all(here.path(&format!("{file}.unfinished"))).unwrap();
+    }
+    let run = here.tandem(&format!("{compare} --report out --force --summary none/x.md")).exits(2);
+    let json = run.json();
+    assert_eq!(json["verdict"], verdict);
+    for file in ["out/ab/", "out/report.html", "none/x.md"] {
+        let tells = |line: &&str| line.starts_with("error: ") && line.contains(file);
+        assert_eq!(run.stderr.lines().filter(tells).count(), 1, "{file}: {}", run.stderr);
+        assert!(!json["report"].to_string().contains(file), "{json}");
+    }
+    for file in ["report.md", "report.json", "junit.xml", "metrics.csv"] {
+        let path = format!("out/{file}");
+        assert!(json["report"].as_array().unwrap().contains(&path.as_str().into()), "{json}");
+        assert!(here.path(&path).is_file(), "{file}");
+    }
+    let kept = fs::read_to_string(here.path("out/report.json")).unwrap();
+    let kept: serde_json::Value = serde_json::from_str(&kept).unwrap();
+    assert_eq!(kept, json, "the report tells what there is of it");
+}
+
 /// What is compared is not written over, whatever may be.
 #[test]
 fn a_report_does_not_take_its_own_logs_away() {

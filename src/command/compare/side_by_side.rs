@@ -33,7 +33,7 @@ impl SideBySide {
     }
 
     /// Takes away what an earlier comparison left there: it would pass for this one's.
-    fn clear(&self) -> Result<()> {
+    pub(super) fn clear(&self) -> Result<()> {
         if !self.0.is_dir() {
             return Ok(());
         }
@@ -47,30 +47,33 @@ impl SideBySide {
         Ok(())
     }
 
-    /// Writes the logs with most to see, at most `most`, and notes in the comparison where they are.
+    /// Writes the logs with most to see, at most `most`, and notes in the comparison where they are. The
+    /// first that cannot be written is the last; the ones before it stay.
     pub(super) fn write(
         &self,
         comparison: &mut Comparison,
         most: usize,
         write: impl Fn(usize, &Path) -> Result<()>,
     ) -> Result<()> {
-        self.clear()?;
         let mut names = BTreeSet::new();
-        for log in comparison.logs_to_see().into_iter().take(most) {
+        let mut logs = comparison.logs_to_see().into_iter().take(most);
+        let one = |log: usize| {
             interrupt::check()?;
             fs::create_dir_all(&self.0).with_context(|| self.0.display().to_string())?;
             let name = file_name(&comparison.logs[log].log, log, &mut names);
             let path = self.0.join(&name);
-            write(log, &path).with_context(|| path.display().to_string())?;
+            write(log, &path).with_context(|| comparison.logs[log].log.clone())?;
             comparison.logs[log].side_by_side = Some(format!("{NAME}/{name}"));
             comparison.report.push(path.display().to_string());
-        }
-        if !names.is_empty() {
+            Ok(())
+        };
+        let written = logs.try_for_each(one);
+        if comparison.logs.iter().any(|log| log.side_by_side.is_some()) {
             let layout = self.0.join("layout.json");
             side_by_side::write_layout(&layout)?;
             comparison.report.push(layout.display().to_string());
         }
-        Ok(())
+        written
     }
 }
 
