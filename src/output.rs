@@ -3,7 +3,7 @@
 
 use std::fs;
 use std::io::{self, IsTerminal as _, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context as _, Result};
@@ -34,6 +34,13 @@ pub fn print<T: Serialize>(
     }
 }
 
+/// Where a file stands until it is whole: beside its place.
+pub fn unfinished(path: &Path) -> PathBuf {
+    let mut unfinished = path.as_os_str().to_owned();
+    unfinished.push(".unfinished");
+    unfinished.into()
+}
+
 /// Writes a file whole or not at all: until it is whole it stands beside its place, and what was there before
 /// stays.
 pub fn file(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
@@ -42,8 +49,7 @@ pub fn file(path: &Path, content: impl AsRef<[u8]>) -> Result<()> {
         // A pipe or a terminal takes what is written to it, and is not to be replaced.
         return fs::write(path, content).with_context(cannot);
     }
-    let mut unfinished = path.as_os_str().to_owned();
-    unfinished.push(".unfinished");
+    let unfinished = unfinished(path);
     let written = fs::write(&unfinished, content).and_then(|()| fs::rename(&unfinished, path));
     if written.is_err() {
         // What cannot be removed does no harm under that name.

@@ -22,8 +22,7 @@ pub fn write(
     stopped: impl FnOnce() -> bool,
 ) -> Result<()> {
     let cannot = || format!("cannot write {}", path.display());
-    let mut unfinished = path.as_os_str().to_owned();
-    unfinished.push(".unfinished");
+    let unfinished = output::unfinished(path);
     let file = BufWriter::new(File::create(&unfinished).with_context(cannot)?);
     let written = match write_ab(file, headers, &WriterOptions::offline(), a, b, stopped) {
         Ok(_) => fs::rename(&unfinished, path).with_context(cannot),

@@ -25,7 +25,10 @@ use crate::{interrupt, logs, output};
 Examples:
   tandem record -o session.mcap
   tandem record --scenario random:disc:goal:7 --controller human --seed 3 -o h7.mcap
-  tandem record --controller tandem-kinematic:gamma3=2.5 --sensors exact -o try.mcap")]
+  tandem record --controller tandem-kinematic:gamma3=2.5 --sensors exact -o try.mcap
+
+The log can be read while it grows, and after a crash as far as it got. With --force, a log that is
+there already stays until the new one is whole, which grows beside it as LOG.unfinished.")]
 pub struct Record {
     /// Where the session happens: `sim`, the simulation
     #[arg(long, default_value = "sim", value_name = "SOURCE")]
@@ -171,11 +174,12 @@ impl Record {
         let header = logs::header(&spec, scenario, start, runner.control_period(), run);
 
         logs::guard(&self.output, common.force)?;
-        let path = || self.output.display().to_string();
+        let place = Place::of(&self.output)?;
+        let path = || place.growing.display().to_string();
         let rhythm =
             if self.realtime { WriterOptions::default() } else { WriterOptions::offline() };
         let options = WriterOptions { view: !self.no_view, ..rhythm };
-        let log = schemas::log::create(&self.output, &header, &options).with_context(path)?;
+        let log = schemas::log::create(&place.growing, &header, &options).with_context(path)?;
 
         let bar = output::bar(
             common,
@@ -195,10 +199,39 @@ impl Record {
             !interrupt::pressed()
         });
         bar.finish_and_clear();
-        recorded.map_err(|error| match error {
+        let recorded = recorded.map_err(|error| match error {
             RecordError::Log(error) => anyhow!(error).context(path()),
             RecordError::Source(never) => match never {},
-        })
+        })?;
+        place.settle()?;
+        Ok(recorded)
+    }
+}
+
+/// Where a log is recorded. It grows in its own place, so that a crash leaves what was recorded; where
+/// another stands there, beside it, so that a crash leaves that one too.
+struct Place {
+    growing: PathBuf,
+    /// The log that it is to replace.
+    old: Option<PathBuf>,
+}
+
+impl Place {
+    fn of(output: &Path) -> Result<Place> {
+        // A pipe or a device takes what is written to it, and is not to be replaced.
+        if !output.is_file() {
+            return Ok(Place { growing: output.to_owned(), old: None });
+        }
+        // What a link points to is replaced, not the link.
+        let old = fs::canonicalize(output).with_context(|| output.display().to_string())?;
+        Ok(Place { growing: output::unfinished(&old), old: Some(old) })
+    }
+
+    /// Puts the log, which is whole now, where it was asked for.
+    fn settle(&self) -> Result<()> {
+        let Some(old) = &self.old else { return Ok(()) };
+        fs::rename(&self.growing, old)
+            .with_context(|| format!("{} cannot be put in place", self.growing.display()))
     }
 }
 

@@ -9,15 +9,20 @@ use crate::program::Workplace;
 
 /// A recording that runs at the pace of the clock, so that it can be disturbed.
 fn slow_recording(here: &Workplace, log: &str) -> Child {
+    slow_recording_into(here, log, log)
+}
+
+/// The same into `log`, which grows as `grows`; whatever stands there already.
+fn slow_recording_into(here: &Workplace, log: &str, grows: &str) -> Child {
     let child = Command::new(assert_cmd::cargo::cargo_bin("tandem"))
-        .args(["record", "--quiet", "--realtime", "--scenario", "case1-lab", "-o"])
+        .args(["record", "--quiet", "--force", "--realtime", "--scenario", "case1-lab", "-o"])
         .arg(here.path(log))
         .stderr(Stdio::null())
         .spawn()
         .expect("the program starts");
     // Until something has reached the disk: the head, and a second of session.
     let began = Instant::now();
-    let size = || std::fs::metadata(here.path(log)).map_or(0, |file| file.len());
+    let size = || std::fs::metadata(here.path(grows)).map_or(0, |file| file.len());
     while size() < 30_000 {
         assert!(began.elapsed() < Duration::from_secs(30), "nothing is written");
         sleep(Duration::from_millis(50));
@@ -55,6 +60,43 @@ fn a_crash_leaves_what_was_recorded() {
     let run = here.tandem("replay --format json log.mcap").exits(1);
     assert!(run.error_line().contains("cut off"), "{}", run.stderr);
     assert!(run.json()["runs"][0]["steps"].as_u64().unwrap() > 0);
+}
+
+/// A log that is recorded over stays until the new one is whole: after a crash and on a full disk the old one
+/// is there, and what was recorded until then beside it.
+#[test]
+fn a_log_that_is_recorded_over_stays_until_the_new_one_is_whole() {
+    let here = Workplace::new();
+    let log = here.record("log.mcap", "--scenario case1 --duration 2");
+    let old = std::fs::read(&log).unwrap();
+    let beside = "log.mcap.unfinished";
+
+    let mut recording = slow_recording_into(&here, "log.mcap", beside);
+    signal(&recording, "-KILL");
+    assert!(!recording.wait().unwrap().success());
+    assert!(std::fs::read(&log).unwrap() == old, "after a crash the old one is there");
+    let info = here.tandem(&format!("info --format json {beside}")).exits(1).json();
+    assert!(info["messages"].as_u64().unwrap() > 0, "{info}");
+
+    // No file may grow beyond some 20 to 40 kB, as the shell counts: the disk is full soon.
+    let full = Command::new("sh")
+        .args(["-c", "trap '' XFSZ; ulimit -f 40; exec \"$0\" \"$@\""])
+        .arg(assert_cmd::cargo::cargo_bin("tandem"))
+        .args(["record", "--force", "--scenario", "case1-lab", "-o"])
+        .arg(&log)
+        .output()
+        .expect("there is a shell");
+    let stderr = String::from_utf8(full.stderr).unwrap();
+    assert_eq!(full.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains(beside), "{stderr}");
+    assert!(std::fs::read(&log).unwrap() == old, "on a full disk the old one is there");
+
+    let mut recording = slow_recording_into(&here, "log.mcap", beside);
+    signal(&recording, "-INT");
+    assert!(recording.wait().unwrap().success(), "an interrupted recording is a whole one");
+    let info = here.tandem("info --format json log.mcap").succeeds().json();
+    assert_eq!(info["run"]["scenario"], "case1-lab", "it is the new one");
+    assert!(!here.path(beside).exists());
 }
 
 /// A closed loop into `output`, stopped once it has written something: what is left of it.
