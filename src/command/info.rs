@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result};
 use clap::Args;
 use schemas::log::LogInfo;
+use schemas::{NS_PER_S, Span, Time};
 use serde::Serialize;
 
 use crate::cli::Common;
@@ -29,7 +30,10 @@ struct Report<'a> {
     complete: bool,
     damage: Option<String>,
     duration_s: f64,
+    /// The first message, where the log begins in the middle of its session; else the session's start.
     start: String,
+    /// Where the log begins in the middle of its session, seconds from the session's start.
+    begins_late_s: Option<f64>,
     bytes: u64,
     messages: u64,
     channels: Vec<Channel<'a>>,
@@ -96,7 +100,8 @@ pub fn print(common: &Common, file: &Path, log: &LogInfo) -> Result<()> {
         complete: log.complete,
         damage: log.damage.as_ref().map(ToString::to_string),
         duration_s: log.duration_s,
-        start: utc(run.start),
+        start: utc(run.start.after_ns(Span::from_seconds(log.begins_late_s.unwrap_or(0.0)).0)),
+        begins_late_s: log.begins_late_s,
         bytes: log.bytes,
         messages: log.messages,
         channels: log
@@ -159,6 +164,9 @@ fn text(report: &Report<'_>) -> String {
             if report.complete { "" } else { ", NOT COMPLETE" },
         ),
     );
+    if let Some(t_s) = report.begins_late_s {
+        line("part", format!("begins in the middle of its session, at {t_s:.2} s"));
+    }
     line("controller", format!("{} (parameters {:.12})", run.controller, run.params_hash));
     line("scenario", format!("{}, seed {}, {} sensors", run.scenario, run.seed, run.sensors));
     line("person", format!("{} ({})", run.driver, run.mode));
@@ -200,8 +208,8 @@ fn size(bytes: u64) -> String {
 }
 
 /// An instant as ISO 8601.
-fn utc(time: schemas::Time) -> String {
-    i64::try_from(time.0 / schemas::NS_PER_S)
+fn utc(time: Time) -> String {
+    i64::try_from(time.0 / NS_PER_S)
         .ok()
         .and_then(|seconds| jiff::Timestamp::from_second(seconds).ok())
         .map_or_else(|| "unknown".to_owned(), |timestamp| timestamp.to_string())

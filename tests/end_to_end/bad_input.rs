@@ -210,6 +210,19 @@ fn a_log_of_a_part() {
         assert!(run.stderr.contains(says), "{mode}: {}", run.stderr);
         assert!(run.stdout.contains("\"begins_late_s\": 2.0"), "{mode}: {}", run.stdout);
     }
+    // Sessions start at 12:00; messages between two steps come before the part's first one.
+    let info = |log: &str| here.tandem(&format!("info {log} --format json")).succeeds().json();
+    let [whole, part] = ["log.mcap", "part.mcap"].map(info);
+    assert_eq!(whole["begins_late_s"], serde_json::Value::Null);
+    let begins_s = part["begins_late_s"].as_f64().unwrap();
+    assert!((begins_s - 2.0).abs() < 0.1, "{begins_s}");
+    let seconds = |info: &serde_json::Value| {
+        let start = info["start"].as_str().unwrap();
+        start[start.len() - 3..start.len() - 1].parse::<u32>().unwrap()
+    };
+    assert_eq!(seconds(&part) - seconds(&whole), 2);
+    let text = here.tandem("info part.mcap").succeeds().stdout;
+    assert!(text.contains("begins in the middle of its session, at 2.0"), "{text}");
 }
 
 #[test]

@@ -52,6 +52,8 @@ pub struct LogInfo {
     pub damage: Option<LogError>,
     /// From the first to the last message, seconds.
     pub duration_s: f64,
+    /// Where the log begins in the middle of its session: its first message, seconds from the session's start.
+    pub begins_late_s: Option<f64>,
     /// Bytes read: the size of the log, if it is complete.
     pub bytes: u64,
     /// Messages on all channels.
@@ -74,6 +76,7 @@ pub(super) fn inspect_source(source: impl Read) -> Result<LogInfo, LogError> {
     let mut opened = Opened::new(source)?;
     let mut channels: Vec<Option<ChannelInfo>> = Vec::new();
     let mut gaps = Vec::new();
+    let mut first_step = None;
     let damage = loop {
         let message = match opened.next() {
             Ok(Some(message)) => message,
@@ -85,9 +88,11 @@ pub(super) fn inspect_source(source: impl Read) -> Result<LogInfo, LogError> {
         if channels.len() <= index {
             channels.resize(index + 1, None);
         }
-        if channel.ours == Some(Topic::Gap) {
+        let first_step_now = channel.ours == Some(Topic::Step) && first_step.is_none();
+        if channel.ours == Some(Topic::Gap) || first_step_now {
             match opened.event(&message) {
                 Ok(Some(Event::Gap(gap))) => gaps.push(gap_info(&gap, opened.header.run.start)),
+                Ok(Some(Event::Step(step))) => first_step = Some(step.step_index),
                 Ok(_) => {}
                 Err(error) => break Some(error),
             }
@@ -123,6 +128,10 @@ pub(super) fn inspect_source(source: impl Read) -> Result<LogInfo, LogError> {
     Ok(LogInfo {
         complete: damage.is_none() && opened.messages.is_complete(),
         damage,
+        // A session's first step is its step 0.
+        begins_late_s: first
+            .filter(|_| first_step.is_some_and(|index| index > 0))
+            .map(|first| first.seconds_since(opened.header.run.start)),
         duration_s: first.zip(last).map_or(0.0, |(first, last)| last.seconds_since(first)),
         bytes: opened.messages.at_byte(),
         messages: channels.iter().map(|channel| channel.count).sum(),
