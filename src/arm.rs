@@ -281,7 +281,7 @@ pub fn write_side_by_side(
     let (mut a, mut b) = (a?, b?);
     let headers = [&headers[0], &headers[1]];
     // Who is stopped here fails, and leaves no file.
-    side_by_side::write(output, headers, || a.next_event(), || b.next_event(), || false)
+    side_by_side::write(output, headers, || a.next_event(), || b.next_event(), || None)
 }
 
 /// What was recorded, where `choice` is the controller that recorded it.

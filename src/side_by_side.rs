@@ -5,21 +5,21 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, anyhow, bail};
-use schemas::log::{WriteAbError, WriterOptions, write_ab};
+use schemas::log::{Stop, WriteAbError, WriterOptions, write_ab};
 use schemas::view::LAYOUT_AB;
 use schemas::{Event, Header, Stamped};
 
 use crate::output;
 
 /// Writes two runs, A and B, side by side into a file. Where they were `stopped` before their end, which is
-/// asked last, the file says so. Until they are whole they stand in another one
-/// beside it, so that what a failing run leaves behind is never taken for a run.
+/// asked last, the file says so and by what. Until they are whole they stand in another one beside it, so
+/// that what a failing run leaves behind is never taken for a run.
 pub fn write(
     path: &Path,
     headers: [&Header; 2],
     a: impl FnMut() -> Result<Option<Stamped<Event>>>,
     b: impl FnMut() -> Result<Option<Stamped<Event>>>,
-    stopped: impl FnOnce() -> bool,
+    stopped: impl FnOnce() -> Option<Stop>,
 ) -> Result<()> {
     let cannot = || format!("cannot write {}", path.display());
     let unfinished = output::unfinished(path);

@@ -178,6 +178,10 @@ impl<R: Read> ClosedLoop<R> {
         Some(event)
     }
 
+    pub(crate) fn is_cut_short(&self) -> bool {
+        self.tally.damage.is_some() || self.watch.recording().unreadable().is_some()
+    }
+
     pub(crate) fn runner(&self) -> &Runner {
         self.session.runner()
     }

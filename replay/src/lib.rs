@@ -185,6 +185,14 @@ impl<R: Read + 'static> Replay<R> {
         }
     }
 
+    /// Whether damage in the log ended the session early, once it has ended.
+    pub fn is_cut_short(&self) -> bool {
+        match &self.0 {
+            Kind::Open(replay) => replay.is_cut_short(),
+            Kind::Closed(replay) => replay.is_cut_short(),
+        }
+    }
+
     /// The controller, as the last event left it: what it saw can be asked of it.
     pub fn runner(&self) -> &Runner {
         match &self.0 {

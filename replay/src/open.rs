@@ -135,6 +135,10 @@ impl<R: Read> OpenLoop<R> {
         }
     }
 
+    pub(crate) fn is_cut_short(&self) -> bool {
+        self.tally.damage.is_some()
+    }
+
     pub(crate) fn runner(&self) -> &Runner {
         self.session.runner()
     }

@@ -84,6 +84,40 @@ fn a_log_cut_in_the_middle() {
     assert_eq!(info["complete"], false);
 }
 
+/// What a replay of a cut log writes says that it is of a part; what is asked of the part that can be read is
+/// whole, and goes into a comparison, which the cut log does not.
+#[test]
+fn a_replay_of_a_cut_log_does_not_pass_for_whole() {
+    let here = Workplace::new();
+    let log = here.record("whole.mcap", "--scenario case1-lab --duration 6");
+    let bytes = fs::read(&log).unwrap();
+    fs::write(here.path("cut.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
+    for mode in ["open", "closed"] {
+        let replay = format!("replay cut.mcap --format json --force --mode {mode} -o out.mcap");
+        let json = here.tandem(&replay).exits(1).json();
+        let damage = json["runs"][0]["damage"].as_str().unwrap();
+        let info = here.tandem("info out.mcap --format json").exits(1);
+        assert!(info.error_line().contains("made from a log that is cut off"), "{}", info.stderr);
+        assert_eq!(info.json()["complete"], false, "{mode}");
+
+        // The way out that is told is one.
+        let (_, way_out) = damage.split_once("`tandem ").expect("a command");
+        let (_, to_s) = way_out.split_once("--to ").unwrap();
+        let to_s: f64 = to_s.split_once(' ').unwrap().0.parse().unwrap();
+        let json = here.tandem(&format!("{replay} --to {to_s}")).succeeds().json();
+        assert_eq!(json["runs"][0]["damage"], serde_json::Value::Null);
+        let info = here.tandem("info out.mcap --format json").succeeds().json();
+        assert!((info["duration_s"].as_f64().unwrap() - to_s).abs() < 0.1, "{info}");
+    }
+    let compare = "compare --a human --b paper-kinematic --format json";
+    let cut = here.tandem(&format!("{compare} cut.mcap")).exits(1);
+    assert_eq!(cut.json()["verdict"], "failed");
+    assert_eq!(cut.error_line().matches("cut off at byte").count(), 1, "{}", cut.stderr);
+    assert!(cut.stderr.contains("`tandem replay LOG --to "), "names the way out: {}", cut.stderr);
+    let part = here.tandem(&format!("{compare} out.mcap")).json();
+    assert_eq!(part["logs"][0]["status"], "ok", "{part}");
+}
+
 #[test]
 fn arguments_that_mean_nothing() {
     let here = Workplace::new();

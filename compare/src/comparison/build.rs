@@ -107,8 +107,13 @@ impl LevelPair {
             (Ok(a), Ok(b), Some(Ok(diff))) => Ok(Whole { a, b, diff }),
             (a, b, diff) => {
                 let mut errors = Vec::new();
-                errors.extend(a.as_ref().err().map(|error| format!("A: {error}")));
-                errors.extend(b.as_ref().err().map(|error| format!("B: {error}")));
+                match (a, b) {
+                    (Err(a), Err(b)) if a == b => errors.push(format!("A and B: {a}")),
+                    (a, b) => {
+                        errors.extend(a.as_ref().err().map(|error| format!("A: {error}")));
+                        errors.extend(b.as_ref().err().map(|error| format!("B: {error}")));
+                    }
+                }
                 if let Some(Err(error)) = diff {
                     errors.push(format!("A against B: {error}"));
                 }

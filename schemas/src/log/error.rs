@@ -1,6 +1,6 @@
 //! What can go wrong with a session log, and the way out.
 
-use std::io;
+use std::{fmt, io};
 
 use crate::Time;
 
@@ -38,8 +38,8 @@ pub enum LogError {
     Header(String),
     /// The log ends before its end.
     #[error(
-        "the log is cut off at byte {at_byte}, after {}; what stands before is usable: copy the log again, or work with that part",
-        reached(*.after)
+        "the log is cut off at byte {at_byte}, after {}; what stands before is usable: copy the log again{}",
+        reached(*.after), way_out(*.after)
     )]
     Truncated {
         /// Where the bytes end.
@@ -47,20 +47,18 @@ pub enum LogError {
         /// Seconds from the start of the session to the last whole message before.
         after: Option<f64>,
     },
-    /// Whoever wrote the log was stopped before the end of the run; the log says so itself.
-    #[error(
-        "the run was stopped before its end, after {}; what stands before is usable: make it again, or work \
-         with that part",
-        reached(*.after)
-    )]
+    /// Whoever wrote the log stopped before the end of the run; the log says so itself.
+    #[error("{by}, after {}; what stands before is usable: make the run again{}", reached(*.after), way_out(*.after))]
     Stopped {
+        /// What stopped it.
+        by: Stop,
         /// Seconds from the start of the session to the last message.
         after: Option<f64>,
     },
     /// A stretch of the log is not what was written.
     #[error(
-        "the log is damaged at byte {at_byte}, after {}: {what}; what stands before is usable: copy the log again, or work with that part",
-        reached(*.after)
+        "the log is damaged at byte {at_byte}, after {}: {what}; what stands before is usable: copy the log again{}",
+        reached(*.after), way_out(*.after)
     )]
     Damaged {
         /// Start of the record that is wrong.
@@ -84,8 +82,8 @@ pub enum LogError {
     },
     /// A message cannot be decoded.
     #[error(
-        "a message of {topic} cannot be decoded (byte {at_byte}, after {}): {what}; what stands before is usable",
-        reached(*.after)
+        "a message of {topic} cannot be decoded (byte {at_byte}, after {}): {what}; what stands before is usable: copy the log again{}",
+        reached(*.after), way_out(*.after)
     )]
     Decode {
         /// The topic.
@@ -118,6 +116,50 @@ pub enum LogError {
 /// How far a damaged log can be read.
 fn reached(after: Option<f64>) -> String {
     after.map_or_else(|| "no message".to_owned(), |seconds| format!("{seconds:.3} s of session"))
+}
+
+/// How the part of a log that can be read becomes a log that every command takes for whole.
+fn way_out(after: Option<f64>) -> String {
+    // A replay knows that a part is whole by what comes after it: some message of another stream.
+    let to_s = after.map(|seconds| libm::floor(10.0 * (seconds - 0.2)) / 10.0);
+    to_s.filter(|to_s| *to_s > 0.0).map_or_else(String::new, |to_s| {
+        format!(
+            ", or turn that part into a whole log with `tandem replay LOG --to {to_s} -o PART.mcap`"
+        )
+    })
+}
+
+/// What stopped the writing of a run before its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stop {
+    /// Whoever wrote it was told to stop.
+    Told,
+    /// What it was made from could be read no further.
+    Source,
+}
+
+impl Stop {
+    /// The word that stands for it in a log.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Stop::Told => "told",
+            Stop::Source => "source",
+        }
+    }
+
+    /// What stopped a run, by the word that stands in its log; the first marks had none.
+    pub(super) fn of_name(name: Option<&str>) -> Stop {
+        if name == Some(Stop::Source.name()) { Stop::Source } else { Stop::Told }
+    }
+}
+
+impl fmt::Display for Stop {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Stop::Told => "the run was stopped before its end",
+            Stop::Source => "the run was made from a log that is cut off or damaged",
+        })
+    }
 }
 
 impl LogError {

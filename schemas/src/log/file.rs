@@ -8,7 +8,9 @@ use mcap::records::MessageHeader;
 use mcap::write::{Metadata, NoSeek};
 
 use super::topics::{TOPICS, payload_stamp};
-use super::{Arm, Encoder, LogError, Sink, Summary, Topic, WriterOptions, descriptors, header};
+use super::{
+    Arm, Encoder, LogError, Sink, Stop, Summary, Topic, WriterOptions, descriptors, header,
+};
 use crate::view::Picture;
 use crate::{Event, Header, Span, Stamped, Time};
 
@@ -151,9 +153,10 @@ impl<W: Sink> LogFile<W> {
     }
 
     /// Notes that the runs in the file were stopped before their end.
-    pub(super) fn mark_stopped(&mut self) -> Result<(), LogError> {
+    pub(super) fn mark_stopped(&mut self, by: Stop) -> Result<(), LogError> {
         let name = header::STOPPED.to_owned();
-        Ok(self.mcap.write_metadata(&Metadata { name, metadata: BTreeMap::new() })?)
+        let metadata = [(header::STOPPED_BY.to_owned(), by.name().to_owned())].into();
+        Ok(self.mcap.write_metadata(&Metadata { name, metadata })?)
     }
 
     pub(super) fn finish(mut self, lanes: &[Lane]) -> Result<(W, Summary), LogError> {

@@ -39,7 +39,7 @@ pub use descriptors::DESCRIPTORS;
 #[cfg(test)]
 pub(crate) use descriptors::schema_data;
 pub use encode::Encoder;
-pub use error::LogError;
+pub use error::{LogError, Stop};
 pub use info::{ChannelInfo, GapInfo, LogInfo, inspect};
 pub use reader::LogReader;
 pub use side_by_side::{SideBySide, WriteAbError, write_ab};

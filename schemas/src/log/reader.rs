@@ -11,7 +11,7 @@ use super::header::{self, HeadParts};
 use super::messages::{Item, Message, Messages};
 use super::quick;
 use super::topics::TOPICS;
-use super::{Arm, LogError, Topic};
+use super::{Arm, LogError, Stop, Topic};
 use crate::{Event, Header, Stamped, Time};
 
 /// A log whose head has been read: its messages, undecoded.
@@ -34,8 +34,9 @@ impl<R: Read> Opened<R> {
                 Ok(Some(Item::Metadata)) => {
                     if let Some((name, map)) = parse_metadata(messages.body()) {
                         if name == header::STOPPED {
+                            let by = stop(&map);
                             messages.end();
-                            break Err(LogError::Stopped { after: None });
+                            break Err(LogError::Stopped { by, after: None });
                         }
                         parts.describe(None, name, &map)?;
                         parts_a.describe(Some(Arm::A), name, &map)?;
@@ -75,9 +76,10 @@ impl<R: Read> Opened<R> {
                 Some(Item::Message(message)) => return Ok(Some(message)),
                 Some(Item::Metadata) => {
                     let metadata = parse_metadata(self.messages.body());
-                    if metadata.is_some_and(|(name, _)| name == header::STOPPED) {
+                    let mark = metadata.filter(|(name, _)| *name == header::STOPPED);
+                    if let Some(by) = mark.map(|(_, map)| stop(&map)) {
                         self.messages.end();
-                        return Err(LogError::Stopped { after: self.messages.reached_s() });
+                        return Err(LogError::Stopped { by, after: self.messages.reached_s() });
                     }
                 }
                 Some(Item::Attachment) => {}
@@ -257,6 +259,11 @@ impl<R: Read> Iterator for LogReader<R> {
     fn next(&mut self) -> Option<Self::Item> {
         self.next_event().transpose()
     }
+}
+
+/// What stopped a run, as its mark has it.
+fn stop(mark: &BTreeMap<String, String>) -> Stop {
+    Stop::of_name(mark.get(header::STOPPED_BY).map(String::as_str))
 }
 
 /// Name and map of a metadata record; `None` where it does not parse, as ours always do.

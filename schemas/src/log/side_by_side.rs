@@ -1,7 +1,7 @@
 //! Two runs of one session in one log, to be looked at and compared side by side.
 
 use super::file::{Lane, LogFile};
-use super::{Arm, LogError, Sink, Summary, WriterOptions, header};
+use super::{Arm, LogError, Sink, Stop, Summary, WriterOptions, header};
 use crate::{Event, Header, Stamped};
 
 /// Writes two runs into one MCAP file, under `/A` and `/B`, with a layout that shows both.
@@ -41,8 +41,8 @@ impl<W: Sink> SideBySide<W> {
     ///
     /// # Errors
     /// The sink refuses.
-    pub fn mark_stopped(&mut self) -> Result<(), LogError> {
-        self.file.mark_stopped()
+    pub fn mark_stopped(&mut self, by: Stop) -> Result<(), LogError> {
+        self.file.mark_stopped(by)
     }
 
     /// Ends the log, as [`super::LogWriter::finish`] does.
@@ -67,7 +67,7 @@ pub enum WriteAbError<E> {
 
 /// Writes two runs of one session side by side, merged by log time, each pulled event by event until
 /// it gives `None`; at equal times A comes first. Memory stays bounded. `stopped` is asked once both gave
-/// `None`: whether that was before their end, which the log then says.
+/// `None`: what made that come before their end, if anything did, which the log then says.
 ///
 /// # Errors
 /// A run fails, its times do not increase, or the sink refuses. What was written until then is closed
@@ -78,7 +78,7 @@ pub fn write_ab<W: Sink, E>(
     options: &WriterOptions,
     mut a: impl FnMut() -> Result<Option<Stamped<Event>>, E>,
     mut b: impl FnMut() -> Result<Option<Stamped<Event>>, E>,
-    stopped: impl FnOnce() -> bool,
+    stopped: impl FnOnce() -> Option<Stop>,
 ) -> Result<(W, Summary), WriteAbError<E>> {
     let mut log = SideBySide::new(sink, headers, options)?;
     let mut next_a = a().map_err(WriteAbError::Run)?;
@@ -101,8 +101,8 @@ pub fn write_ab<W: Sink, E>(
             next_b = b().map_err(WriteAbError::Run)?;
         }
     }
-    if stopped() {
-        log.mark_stopped()?;
+    if let Some(by) = stopped() {
+        log.mark_stopped(by)?;
     }
     Ok(log.finish()?)
 }

@@ -23,6 +23,7 @@ use options::seconds;
 pub use options::{How, HumanName, ModeName, PlantName, patience};
 use replay::{Gains, Mode, Outcome, PlantClaim, Reaction, Recording, Window};
 use result::{Crossings, Doubt, Plant, Run};
+use schemas::log::Stop;
 use schemas::{Event, Explored, Header, Scenario, Span, Stamped, World};
 use serde::Serialize;
 
@@ -355,13 +356,14 @@ impl Replay {
         let closed = matches!(mode, Mode::Closed(_));
         let mut whole = closed.then(|| Meter::new(header));
         let mut until_horizon = None;
-        let interrupted = Cell::new(false);
+        let (interrupted, cut_short) = (Cell::new(false), Cell::new(false));
         let mut next = || -> Result<Option<Stamped<Event>>> {
             interrupted.set(interrupt::pressed());
             if interrupted.get() {
                 return Ok(None);
             }
             let event = arm::caught(|| replay.next_event())?;
+            cut_short.set(event.is_none() && replay.is_cut_short());
             if let (Some(whole), Some(event)) = (&mut whole, &event) {
                 let parted = replay.horizon().is_some_and(|horizon| horizon.first_s().is_some());
                 if parted && until_horizon.is_none() {
@@ -386,7 +388,11 @@ impl Replay {
                     Ok(events.take_while(|_| !interrupted.get()).find(inside))
                 };
                 let headers = [recorded_header, &replayed];
-                side_by_side::write(&path, headers, recorded, &mut next, || interrupted.get())?;
+                let stopped = || match (interrupted.get(), cut_short.get()) {
+                    (true, _) => Some(Stop::Told),
+                    (false, cut_short) => cut_short.then_some(Stop::Source),
+                };
+                side_by_side::write(&path, headers, recorded, &mut next, stopped)?;
                 Some(path)
             }
         };

@@ -50,6 +50,8 @@ pub(super) struct Run {
     pub(super) begins_late_s: Option<f64>,
     pub(super) realtime_factor: Option<f64>,
     pub(super) cpu_s: Option<f64>,
+    /// What is wrong with the log, where it could be replayed in part only.
+    pub(super) damage: Option<String>,
     pub(super) error: Option<String>,
     /// Where the part that was replayed begins, seconds from the start of the log.
     #[serde(skip)]
@@ -231,6 +233,7 @@ impl Run {
             period_s: 0.0,
             realtime_factor: None,
             cpu_s: None,
+            damage: None,
             error: None,
             unmet_faults: Vec::new(),
             begins_late_s: None,
@@ -264,6 +267,7 @@ impl Run {
                 WarmUp::Exact => "exact",
                 WarmUp::Differs => "differs",
             }),
+            damage: outcome.damage,
             duration_s: outcome.duration_s,
             end_s: outcome.end_s,
             unmet_faults: outcome.unmet_faults.iter().map(faults::unmet).collect(),

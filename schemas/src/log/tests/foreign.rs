@@ -11,7 +11,7 @@ use super::session::{events, header, read, text};
 use crate::log::header::{PARAMS, RUN, SCENARIO, STOPPED, to_map};
 use crate::log::info::inspect_source;
 use crate::log::reader::Opened;
-use crate::log::{Encoder, LogError, LogReader, Topic, descriptors};
+use crate::log::{Encoder, LogError, LogReader, Stop, Topic, descriptors};
 use crate::{FORMAT_VERSION, Header};
 
 type Mcap = mcap::Writer<Cursor<Vec<u8>>>;
@@ -244,7 +244,7 @@ fn nothing_is_given_behind_the_mark_of_a_stop() {
             assert!(matches!(opened.next(), Ok(Some(_))), "{message} of {before}");
         }
         let stop = opened.next().expect_err("the mark");
-        assert!(matches!(stop, LogError::Stopped { .. }), "{before}: {stop}");
+        assert!(matches!(stop, LogError::Stopped { by: Stop::Told, .. }), "{before}: {stop}");
         for _ in 0..2 {
             assert!(matches!(opened.next(), Ok(None)), "{before}");
         }

@@ -4,7 +4,7 @@
 use super::session::{bare, events, header, log_of, read, text};
 use crate::log::info::inspect_source;
 use crate::log::{
-    Arm, LogError, LogReader, SideBySide, Topic, WriteAbError, WriterOptions, write_ab,
+    Arm, LogError, LogReader, SideBySide, Stop, Topic, WriteAbError, WriterOptions, write_ab,
 };
 use crate::{Event, Header, Span, Stamped};
 
@@ -36,7 +36,7 @@ fn both(options: &WriterOptions) -> Vec<u8> {
         options,
         pull(&events(25)),
         pull(&b),
-        || false,
+        || None,
     );
     written.expect("a vector takes all").0
 }
@@ -122,14 +122,14 @@ fn a_run_that_goes_back_or_behind_the_other_is_refused() {
 /// Runs that were stopped read to where they were, and then say so; nobody takes them for whole.
 #[test]
 fn runs_that_were_stopped_say_so() {
-    let written = |periods| {
+    let written = |periods, by| {
         let (header, events) = (header(), events(periods));
         let (a, b) = (pull::<LogError>(&events), pull(&events));
-        write_ab(Vec::new(), [&header, &header], &bare(4096), a, b, || true)
+        write_ab(Vec::new(), [&header, &header], &bare(4096), a, b, || Some(by))
             .expect("a vector takes all")
             .0
     };
-    let log = written(25);
+    let log = written(25, Stop::Source);
     for arm in [Arm::A, Arm::B] {
         let mut reader = LogReader::new(&log[..]).expect("a log").arm(arm).expect("two runs");
         let mut read = Vec::new();
@@ -140,7 +140,8 @@ fn runs_that_were_stopped_say_so() {
             }
         };
         assert_eq!(text(&read), text(&events(25)));
-        assert!(matches!(end, LogError::Stopped { after: Some(_) }) && end.is_damage(), "{end}");
+        let says = matches!(end, LogError::Stopped { by: Stop::Source, after: Some(_) });
+        assert!(says && end.is_damage(), "{end}");
         assert!(!reader.is_complete());
         assert!(matches!(reader.next_event(), Ok(None)));
     }
@@ -149,8 +150,9 @@ fn runs_that_were_stopped_say_so() {
     // Everybody else reads a whole MCAP file.
     let messages = mcap::MessageStream::new(&log).expect("MCAP").map(Result::unwrap).count();
     assert_eq!(messages, 2 * events(25).len());
-    let nothing = inspect_source(&written(0)[..]).expect("a log");
-    assert!(matches!(nothing.damage, Some(LogError::Stopped { after: None })), "{nothing:?}");
+    let nothing = inspect_source(&written(0, Stop::Told)[..]).expect("a log");
+    let told = Some(LogError::Stopped { by: Stop::Told, after: None });
+    assert_eq!(format!("{:?}", nothing.damage), format!("{told:?}"));
 }
 
 #[test]
@@ -161,6 +163,6 @@ fn a_run_that_fails_is_the_error() {
         if count < 5 { Ok(events(1).get(count).cloned()) } else { Err("out of paper") }
     };
     let heads = [&header(), &header()];
-    let result = write_ab(Vec::new(), heads, &bare(4096), pull(&events(2)), failing, || false);
+    let result = write_ab(Vec::new(), heads, &bare(4096), pull(&events(2)), failing, || None);
     assert!(matches!(result, Err(WriteAbError::Run("out of paper"))));
 }
