@@ -8,7 +8,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, bail};
 use controller::Spec;
 use schemas::log::{LogError, LogReader};
-use schemas::{FORMAT_VERSION, Header, RunInfo, Scenario, Span, Time};
+use schemas::{Event, FORMAT_VERSION, Header, RunInfo, Scenario, Span, Stamped, Time};
+
+use crate::interrupt;
 
 /// Opens a log for one pass.
 pub fn open(path: &Path) -> Result<LogReader<BufReader<File>>> {
@@ -18,6 +20,25 @@ pub fn open(path: &Path) -> Result<LogReader<BufReader<File>>> {
 /// The same without naming the file, for callers that do.
 pub fn open_raw(path: &Path) -> Result<LogReader<BufReader<File>>, LogError> {
     LogReader::open(path)
+}
+
+/// Shows every event of a log to its end, or as far as it can be read: what then was in the way is the answer.
+///
+/// # Errors
+/// What is wrong with the log is more than damage, or Ctrl-C was pressed.
+pub fn each_event(
+    log: &mut LogReader<BufReader<File>>,
+    mut show: impl FnMut(&Stamped<Event>),
+) -> Result<Option<LogError>> {
+    loop {
+        interrupt::check()?;
+        match log.next_event() {
+            Ok(Some(event)) => show(&event),
+            Ok(None) => return Ok(None),
+            Err(error) if error.is_damage() => return Ok(Some(error)),
+            Err(error) => return Err(error.into()),
+        }
+    }
 }
 
 /// Refuses to write where something is, unless told to.

@@ -3,22 +3,25 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result};
+use anyhow::{Context as _, Result, anyhow};
 use clap::Args;
 use compare::{Better, CATALOGUE, Group, Measured, Meter, MetricSummary, report, summarize};
+use schemas::log::LogError;
 use serde::Serialize;
 
-use crate::cli::Common;
+use crate::cli::{Common, Format};
 use crate::status::Status;
-use crate::{fleet, interrupt, logs, output};
+use crate::{fleet, logs, output};
 
 /// Up to this many runs are shown side by side unless told otherwise.
 const SIDE_BY_SIDE: usize = 4;
 
 /// Measure runs; without a run, list and explain the metrics.
 ///
-/// A few runs are shown side by side; of many, each metric's mean, range and worst run.
+/// A few runs are shown side by side; of many, each metric's mean, range and worst run. A log that is cut
+/// off or damaged is measured as far as it goes, and said to be.
 #[derive(Args)]
+#[command(after_help = "Exit status: 1 when a damaged log could be measured in part only.")]
 pub struct Metrics {
     /// The runs: recorded or replayed logs
     #[arg(value_name = "RUN", conflicts_with = "list")]
@@ -41,6 +44,10 @@ struct Runs {
 struct MeasuredRun {
     run: String,
     metrics: BTreeMap<&'static str, Reading>,
+    /// Whether the log could be read to its end.
+    whole: bool,
+    /// What was in the way.
+    damage: Option<String>,
     error: Option<String>,
 }
 
@@ -79,25 +86,38 @@ impl Metrics {
             output::print(common, &rows, |_| report::catalogue_text())?;
             return Ok(Status::Done);
         }
-        let results = fleet::each(common, &self.runs, "measuring", |run| measure(run));
+        let results = fleet::each(common, &self.runs, "measuring", |run| measure_part(run));
         let mut status = Status::Done;
-        for error in results.iter().filter_map(|result| result.as_ref().err()) {
-            status = status.worse(Status::of_error(error));
-            output::error(error);
+        for (run, result) in self.runs.iter().zip(&results) {
+            match result {
+                Ok(Part { damage: None, .. }) => {}
+                Ok(Part { damage: Some(damage), .. }) => {
+                    status = status.worse(Status::Differs);
+                    let run = run.display();
+                    output::note(&format!("error: {run}: {damage}; measured as far as that"));
+                }
+                Err(error) => {
+                    status = status.worse(Status::of_error(error));
+                    output::error(error);
+                }
+            }
         }
         let rows: Vec<MeasuredRun> =
             self.runs.iter().zip(&results).map(|(run, result)| row(run, result)).collect();
-        let measured: Vec<(String, Measured)> = self
-            .runs
-            .iter()
-            .zip(results)
-            .filter_map(|(run, result)| Some((run.display().to_string(), result.ok()?)))
-            .collect();
+        let named = |(run, result): (&PathBuf, Result<Part>)| {
+            let Part { measured, damage } = result.ok()?;
+            let part = if damage.is_some() { " (part)" } else { "" };
+            Some((format!("{}{part}", run.display()), measured))
+        };
+        let measured: Vec<(String, Measured)> =
+            self.runs.iter().zip(results).filter_map(named).collect();
         let runs = Runs { runs: rows, summary: summarize(&measured) };
+        if measured.is_empty() && common.format == Format::Human {
+            // The errors have told all that there is.
+            return Ok(status);
+        }
         output::print(common, &runs, |_| {
-            if measured.is_empty() {
-                String::new()
-            } else if self.each || measured.len() <= SIDE_BY_SIDE {
+            if self.each || measured.len() <= SIDE_BY_SIDE {
                 report::metrics_text(&measured)
             } else {
                 report::summary_text(&measured)
@@ -107,13 +127,17 @@ impl Metrics {
     }
 }
 
-fn row(run: &Path, result: &Result<Measured>) -> MeasuredRun {
+fn row(run: &Path, result: &Result<Part>) -> MeasuredRun {
     let run = run.display().to_string();
     match result {
-        Err(error) => {
-            MeasuredRun { run, metrics: BTreeMap::new(), error: Some(format!("{error:#}")) }
-        }
-        Ok(measured) => MeasuredRun {
+        Err(error) => MeasuredRun {
+            run,
+            metrics: BTreeMap::new(),
+            whole: false,
+            damage: None,
+            error: Some(format!("{error:#}")),
+        },
+        Ok(Part { measured, damage }) => MeasuredRun {
             run,
             metrics: CATALOGUE
                 .iter()
@@ -122,19 +146,39 @@ fn row(run: &Path, result: &Result<Measured>) -> MeasuredRun {
                     (metric.name, Reading { value, unit: metric.unit })
                 })
                 .collect(),
+            whole: damage.is_none(),
+            damage: damage.as_ref().map(LogError::to_string),
             error: None,
         },
     }
 }
 
-/// Measures the run that a log holds.
+/// A run as far as its log can be read.
+struct Part {
+    measured: Measured,
+    /// What was in the way of reading on.
+    damage: Option<LogError>,
+}
+
+/// Measures the run that a log holds, which has to be whole.
 pub fn measure(run: &Path) -> Result<Measured> {
+    let Part { measured, damage } = measure_part(run)?;
+    match damage {
+        None => Ok(measured),
+        Some(damage) => Err(anyhow!(damage).context(run.display().to_string())),
+    }
+}
+
+/// The same as far as the log can be read.
+fn measure_part(run: &Path) -> Result<Part> {
     let name = || run.display().to_string();
     let mut log = logs::open(run)?;
     let mut meter = Meter::new(log.header());
-    while let Some(event) = log.next_event().with_context(name)? {
-        interrupt::check()?;
-        meter.observe(&event);
+    let damage = logs::each_event(&mut log, |event| meter.observe(event)).with_context(name)?;
+    match (meter.finish(), damage) {
+        (Ok(measured), damage) => Ok(Part { measured, damage }),
+        // What is too little to be measured is so because of what cut it.
+        (Err(_), Some(damage)) => Err(anyhow!(damage).context(name())),
+        (Err(error), None) => Err(anyhow!(error).context(name())),
     }
-    meter.finish().with_context(name)
 }

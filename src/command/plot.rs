@@ -3,15 +3,16 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use anyhow::{Context as _, Result, ensure};
+use anyhow::{Context as _, Result, anyhow, ensure};
 use clap::Args;
 use compare::figure::{Facts, Recording, figure};
 use compare::report::{number, with_unit};
+use schemas::log::LogError;
 use serde::Serialize;
 
 use crate::cli::Common;
 use crate::status::Status;
-use crate::{interrupt, logs, output};
+use crate::{logs, output};
 
 /// Draw a run: a map with the way and who drove on it, and quantities over time
 ///
@@ -27,7 +28,9 @@ Examples:
   tandem plot replayed.mcap -o replayed.svg --format json     # what can be read off it, as numbers
 
 To see two controllers on the same person, use the report of `tandem compare`; to know why k changed
-at one instant, `tandem explain`.")]
+at one instant, `tandem explain`.
+
+Exit status: 1 when a damaged log could be drawn in part only; the picture says so.")]
 pub struct Plot {
     /// The run: a recorded or replayed log
     #[arg(value_name = "LOG")]
@@ -42,6 +45,9 @@ struct Drawn {
     log: String,
     output: String,
     bytes: usize,
+    /// Whether the log could be read to its end, and what was in the way.
+    whole: bool,
+    damage: Option<String>,
     #[serde(flatten)]
     facts: Facts,
 }
@@ -55,20 +61,31 @@ impl Plot {
         let picture_file = self.output.extension().is_some_and(|end| end == "svg");
         ensure!(picture_file, "{}: the picture is an .svg file", self.output.display());
         let mut recording = Recording::new(log.header());
-        while let Some(event) = log.next_event().with_context(name)? {
-            interrupt::check()?;
-            recording.observe(&event);
+        let damage =
+            logs::each_event(&mut log, |event| recording.observe(event)).with_context(name)?;
+        if damage.is_some() {
+            recording.cut_short();
         }
-        let (picture, facts) = figure(recording).with_context(name)?;
+        let ((picture, facts), damage) = match (figure(recording), damage) {
+            (Ok(drawn), damage) => (drawn, damage),
+            // What is too little to be drawn is so because of what cut it.
+            (Err(_), Some(damage)) => return Err(anyhow!(damage)).with_context(name),
+            (Err(error), None) => return Err(anyhow!(error)).with_context(name),
+        };
         output::file(&self.output, &picture)?;
         let drawn = Drawn {
             log: name(),
             output: self.output.display().to_string(),
             bytes: picture.len(),
+            whole: damage.is_none(),
+            damage: damage.as_ref().map(LogError::to_string),
             facts,
         };
         output::print(common, &drawn, text)?;
-        Ok(Status::Done)
+        Ok(damage.map_or(Status::Done, |damage| {
+            output::note(&format!("error: {}: {damage}; drawn as far as that", drawn.log));
+            Status::Differs
+        }))
     }
 }
 

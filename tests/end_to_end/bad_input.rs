@@ -118,6 +118,47 @@ fn a_replay_of_a_cut_log_does_not_pass_for_whole() {
     assert_eq!(part["logs"][0]["status"], "ok", "{part}");
 }
 
+/// A cut log is measured and drawn as far as it goes, which is said to everybody.
+#[test]
+fn what_stands_before_a_cut_is_measured_and_drawn() {
+    let here = Workplace::new();
+    let log = here.record("whole.mcap", "--scenario case1-lab --duration 6");
+    let bytes = fs::read(&log).unwrap();
+    fs::write(here.path("cut.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
+    fs::write(here.path("stub.mcap"), &bytes[..12_000]).unwrap();
+
+    let run = here.tandem("metrics whole.mcap cut.mcap --format json").exits(1);
+    assert!(run.error_line().contains("cut.mcap: the log is cut off at byte"), "{}", run.stderr);
+    let [whole, cut] = [0, 1].map(|i| run.json()["runs"][i].clone());
+    assert_eq!((&whole["whole"], &whole["damage"]), (&true.into(), &serde_json::Value::Null));
+    assert_eq!(cut["whole"], false);
+    assert!(cut["damage"].as_str().unwrap().contains("cut off at byte"), "{cut}");
+    let share = |run: &serde_json::Value| run["metrics"]["human_share"]["value"].as_f64();
+    assert!(share(&cut).is_some() && share(&whole).is_some(), "{cut}");
+    let text = here.tandem("metrics whole.mcap cut.mcap").exits(1).stdout;
+    assert!(text.contains("cut.mcap (part)") && !text.contains("whole.mcap (part)"), "{text}");
+
+    let run = here.tandem("plot cut.mcap -o cut.svg --format json").exits(1);
+    assert!(run.error_line().contains("cut off at byte"), "{}", run.stderr);
+    let drawn = run.json();
+    assert_eq!(drawn["whole"], false);
+    assert!(drawn["damage"].as_str().unwrap().contains("cut off at byte"), "{drawn}");
+    let duration_s = drawn["duration_s"].as_f64().unwrap();
+    assert!(0.5 < duration_s && duration_s < 5.5, "{duration_s}");
+    assert!(fs::read_to_string(here.path("cut.svg")).unwrap().contains("only a part"));
+    let drawn = here.tandem("plot whole.mcap -o whole.svg --format json").succeeds().json();
+    assert_eq!(drawn["whole"], true);
+    assert!(!fs::read_to_string(here.path("whole.svg")).unwrap().contains("only a part"));
+
+    // Where there is nothing to measure or draw, the reason is what was wrong with the log.
+    for command in ["metrics stub.mcap", "plot stub.mcap -o stub.svg"] {
+        let run = here.tandem(command).exits(1);
+        assert!(run.error_line().contains("cut off at byte"), "{command}: {}", run.stderr);
+        assert_eq!(run.stdout, "", "{command}");
+    }
+    assert!(!here.path("stub.svg").exists());
+}
+
 #[test]
 fn arguments_that_mean_nothing() {
     let here = Workplace::new();

@@ -78,7 +78,13 @@ pub fn figure(run: Recording) -> Result<(String, Facts), CompareError> {
     let bottom = top + panels.len() as f64 * PITCH - 30.0;
     let info = &run.header.run;
     let picture = Picture {
-        title: format!("{}: {}, {} sensors", info.scenario, info.controller, info.sensors),
+        title: format!(
+            "{}: {}, {} sensors{}",
+            info.scenario,
+            info.controller,
+            info.sensors,
+            if run.cut_short { "; only a part, the log is damaged" } else { "" }
+        ),
         width: unit(LEFT + WIDTH + 20.0),
         height: unit(bottom + 40.0),
         left: unit(LEFT),

@@ -48,6 +48,8 @@ pub struct Recording {
     /// (time, k) of the first step and of each with another k than the one before.
     pub(super) switches: Vec<(f64, f64)>,
     pub(super) end_s: f64,
+    /// Whether it ends before its run did.
+    pub(super) cut_short: bool,
     b1_m: f64,
     b2_m: f64,
     truth: Option<(Pose, f64)>,
@@ -72,12 +74,18 @@ impl Recording {
             points: Vec::new(),
             switches: Vec::new(),
             end_s: 0.0,
+            cut_short: false,
             b1_m: of(b1),
             b2_m: of(b2),
             truth: None,
             pending: None,
             thinning: Thinning::to(MOST_POINTS),
         }
+    }
+
+    /// Notes that the run went on where the events end, which the figure is to say.
+    pub fn cut_short(&mut self) {
+        self.cut_short = true;
     }
 
     /// Takes the next event of the run.
