@@ -8,24 +8,16 @@ use super::sample::{Decision, Motion, Request};
 pub(super) trait Accumulate: Fork {
     /// The robot was there until the next motion. May be called before or after the decision of
     /// the same instant.
-    fn motion(&mut self, motion: &Motion) {
-        let _ = motion;
-    }
+    fn motion(&mut self, _motion: &Motion) {}
 
     /// The controller decided that.
-    fn decision(&mut self, decision: &Decision) {
-        let _ = decision;
-    }
+    fn decision(&mut self, _decision: &Decision) {}
 
     /// The person asked for that.
-    fn request(&mut self, request: &Request) {
-        let _ = request;
-    }
+    fn request(&mut self, _request: &Request) {}
 
     /// A step took that long.
-    fn timing(&mut self, timing: &Timing) {
-        let _ = timing;
-    }
+    fn timing(&mut self, _timing: &Timing) {}
 
     /// The metric so far; `None` where it has no meaning for this run.
     fn value(&self) -> Option<f64>;
@@ -71,5 +63,21 @@ impl Mean {
     /// `None` before anything with a weight was added.
     pub(super) fn value(&self) -> Option<f64> {
         (self.weight > 0.0).then(|| self.sum / self.weight)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 3 for 2 s and 9 for 1 s is 5 on average; what has no weight says nothing.
+    #[test]
+    fn a_mean_is_weighted_and_of_nothing_there_is_none() {
+        let mut mean = Mean::default();
+        mean.add(7.0, 0.0);
+        assert_eq!(mean.value(), None);
+        mean.add(3.0, 2.0);
+        mean.add(9.0, 1.0);
+        assert_eq!(mean.value(), Some(5.0));
     }
 }
