@@ -252,7 +252,7 @@ impl Certain {
             let disc = world.discs[thing - self.walls.len() - self.shapes.len()];
             let gaps_m = [from, to].map(|body| self.to_disc_m(body, &disc.at(t_s + body.at_s)));
             let closing_mps = v_mps + omega_radps * self.reach_m + disc.speed_mps;
-            return 0.5 * (gaps_m[0] + gaps_m[1] - closing_mps * span_s) > SLACK_M;
+            return gaps_m[0] + gaps_m[1] - closing_mps * span_s > SLACK_M;
         };
         let apart_m = length(minus(shape.middle_m, from.centre_m));
         if apart_m - shape.radius_m - self.reach_m - moved_m > SLACK_M {
@@ -308,12 +308,8 @@ impl Certain {
             dot(body.forward, offset_m).abs() - self.half_m[0],
             dot(body.left(), offset_m).abs() - self.half_m[1],
         ];
-        let to_centre_m = if beyond_m[0] > 0.0 || beyond_m[1] > 0.0 {
-            length([beyond_m[0].max(0.0), beyond_m[1].max(0.0)])
-        } else {
-            beyond_m[0].max(beyond_m[1])
-        };
-        to_centre_m - disc.radius_m
+        let outside_m = length(beyond_m.map(|beyond_m| beyond_m.max(0.0)));
+        outside_m + beyond_m[0].max(beyond_m[1]).min(0.0) - disc.radius_m
     }
 
     /// The least of the signed distances to some of the things, metres; apart it may be less than

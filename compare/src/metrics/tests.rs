@@ -10,6 +10,7 @@ mod safety;
 mod task;
 mod warrant;
 
+use super::catalogue::Feed;
 use super::{Basis, CATALOGUE, Meter, metric};
 use crate::CompareError;
 use crate::synthetic::{Run, scenario};
@@ -42,6 +43,23 @@ fn names_are_unique_and_carry_their_unit() {
         assert!(row.name.ends_with(suffix), "{}", row.name);
     }
     assert!(metric("no_such_metric").is_none());
+}
+
+/// Where a number comes from is told with it: the topic that feeds it, and the paper where there is one.
+#[test]
+fn sources_name_the_topic_of_the_feed() {
+    for row in CATALOGUE {
+        let topic = match row.feed {
+            Feed::Motion => "/truth, or the estimate in /step",
+            Feed::Decision => "/step",
+            Feed::Request => "/joystick",
+            Feed::Timing => "/timing",
+        };
+        assert!(row.source.contains(topic), "{}: {}", row.name, row.source);
+    }
+    let source = |name| metric(name).map_or("", |row| row.source);
+    assert!(source("sparc").contains("Balasubramanian"));
+    assert_eq!(source("override_m"), "/step and /command");
 }
 
 #[test]
