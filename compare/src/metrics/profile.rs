@@ -148,6 +148,8 @@ mod tests {
         assert!((shares[0] - 0.2).abs() < 1e-12 && (shares[1] - 0.4).abs() < 1e-12);
         assert_eq!(profile.contributions(8, 0.25), [5.0, 0.0]);
         profile.forget(7);
+        assert_eq!(profile.contributions(7, 0.25), [0.0, 0.0]);
+        assert_eq!(profile.contributions(8, 0.25), [5.0, 0.0]);
         profile.forget(9);
         profile.note(7, 0.3, 1.5);
         profile.scale(7, 3.0);

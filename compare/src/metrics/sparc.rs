@@ -87,7 +87,7 @@ fn arc_length(speeds_mps: &[f64]) -> Option<f64> {
         return None;
     }
     let count = libm::round(HIGHEST_HZ / STEP_HZ) as u32;
-    let mut spectrum = Vec::with_capacity(count as usize + AT_ONCE);
+    let mut spectrum = Vec::new();
     for first in (0..=count).step_by(AT_ONCE) {
         let frequencies_hz = core::array::from_fn(|i| f64::from(first + i as u32) * STEP_HZ);
         spectrum.extend(magnitudes(speeds_mps, frequencies_hz).map(|magnitude| magnitude / start));

@@ -221,8 +221,8 @@ proptest! {
         (x_m, y_m, theta_rad) in (0.3..3.7f64, 0.3..1.7f64, -4.0..4.0f64),
         from in (-0.7..0.7f64, -2.0..2.0f64),
         to in (-0.7..0.7f64, -2.0..2.0f64),
-        delay_s in prop_oneof![Just(0.0), Just(0.15)],
-        hold_s in prop_oneof![Just(0.0), Just(1.0)],
+        delay_s in prop_oneof![Just(0.0), Just(0.15), Just(2.0)],
+        hold_s in prop_oneof![Just(0.0), Just(1.0), Just(4.0)],
         accel in prop_oneof![Just(None), Just(Some([0.3, 1.0])), Just(Some([2.0, 6.0]))],
         disc in prop::option::of((0.5..3.5f64, 0.5..1.5f64, 0.0..1.0f64)),
         stands in prop::option::of((0.5..3.5f64, 0.5..1.5f64)),
@@ -244,6 +244,12 @@ proptest! {
         let clearance_m = surroundings.clearance_m(&pose, 0.3);
         prop_assume!(clearance_m > 0.0);
         let want = look_everywhere(&surroundings, &pose, 0.3, &course);
+        // Also where nothing is certain beforehand.
+        let stepped = surroundings.first_touch(&pose, 0.3, &course, clearance_m).map(|touch| {
+            let Touch { from, tau_s, twist, span_s } = touch;
+            tau_s + surroundings.contact_within_s(&from, 0.3 + tau_s, twist, span_s)
+        });
+        prop_assert_eq!(stepped, want);
         prop_assert_eq!(surroundings.first_contact_s(&pose, 0.3, &course), want);
         prop_assert_eq!(surroundings.touches(&pose, 0.3, &course, clearance_m), want.is_some());
     }
@@ -295,6 +301,48 @@ fn speeds_that_jump_are_certain_one_after_the_other() {
     }
     assert_eq!(certain(rest, 0.0, slow, 20.0), Some(true));
     assert_eq!(certain(rest, 0.0, slow, 20.5), None);
+}
+
+/// The body waits for a second, then drives at 0.5 m/s at a disc that comes at 0.5 m/s from 1.15 m ahead: they
+/// meet at 1.65 s.
+#[test]
+fn who_waits_is_met_by_those_who_come() {
+    let mut scenario = scenario();
+    scenario.world.discs = vec![MovingDisc {
+        radius_m: 0.2,
+        from_m: [3.6, 1.0],
+        to_m: [0.5, 1.0],
+        speed_mps: 0.5,
+        start_s: 0.0,
+        to_and_fro: false,
+    }];
+    let at = Surroundings::new(scenario.world, scenario.robot.footprint);
+    for (hold_s, want) in [(0.64, false), (0.66, true)] {
+        let to = twist(0.5, 0.0);
+        let course = Course { from: Twist::default(), to, delay_s: 1.0, hold_s, accel: None };
+        assert_eq!(at.certainly_touches(&MIDDLE, 0.0, &course, 0.75), Some(want));
+    }
+}
+
+/// A disc that would be met half a millisecond after the course is over is not met.
+#[test]
+fn what_comes_after_the_end_does_not_count() {
+    let mut scenario = scenario();
+    scenario.world.discs = vec![MovingDisc {
+        radius_m: 0.2,
+        from_m: [2.7, 1.0],
+        to_m: [0.5, 1.0],
+        speed_mps: 0.5,
+        start_s: 0.5,
+        to_and_fro: false,
+    }];
+    let at = Surroundings::new(scenario.world, scenario.robot.footprint);
+    let until = |end_s: f64| {
+        let rest = Course::constant(Twist::default(), end_s);
+        at.first_contact_s(&MIDDLE, 0.0, &Course { accel: Some([2.0, 6.0]), ..rest })
+    };
+    assert_eq!(until(0.9995), None);
+    close(until(1.0005), 1.0, 1e-5);
 }
 
 /// Who appears out of nothing may do so anywhere.
