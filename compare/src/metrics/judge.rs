@@ -31,9 +31,8 @@ const DIRECTIONS: usize = 16;
 /// How often a correction is halved down: to 0.3 % of full speed.
 const HALVINGS: u32 = 5;
 
-/// The width at which halving ends, and a little for rounding: two results are equal, or farther apart
-/// than that little.
-const FINEST: f64 = RING / (1 << HALVINGS) as f64 + 1e-9;
+/// The width at which halving ends.
+const FINEST: f64 = RING / (1 << HALVINGS) as f64;
 
 /// What became of asking.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -210,6 +210,24 @@ mod tests {
         }
     }
 
+    /// Every second sample at 1 m/s: |sin 100φ / (100 sin φ)| with φ = 2π · 0.05 s · f, 1 again at 10 Hz and mirrored
+    /// beyond. The arc ends at 10 Hz.
+    #[test]
+    fn nothing_is_faster_than_ten_hertz() {
+        let speeds: Vec<f64> = (0..WINDOW).map(|i| if i % 2 == 0 { 1.0 } else { 0.0 }).collect();
+        let share = |hundredths: u32| {
+            let phi = std::f64::consts::PI * f64::from(hundredths) / 1_000.0;
+            if matches!(hundredths, 0 | 1_000) {
+                1.0
+            } else {
+                ((100.0 * phi).sin() / (100.0 * phi.sin())).abs()
+            }
+        };
+        let want: f64 = (0..1_000).map(|i| 1e-3_f64.hypot(share(i + 1) - share(i))).sum();
+        let got = arc_length(&speeds).expect("moves");
+        assert!((got + want).abs() < 1e-9, "{got} instead of {}", -want);
+    }
+
     /// In ten seconds 1.2 mm are a movement, 0.8 mm are none.
     #[test]
     fn creeping_is_no_movement() {
