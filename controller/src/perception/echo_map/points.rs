@@ -25,11 +25,11 @@ const CONFIRMED_LIFE: Span = Span(5_000_000_000);
 
 /// … but where the robot has hardly moved since, by this much of the odometer, metres, odometry has not
 /// drifted either, and it is remembered for this long: a robot that waits before a corner which
-/// only echoes now and then must not forget it. This holds for what so many other firings have heard: a false
-/// echo is easily confirmed by one, when something else stands near the place, and would hold a robot that
-/// rests before it for as long.
+/// only echoes now and then must not forget it. This holds for what so many other firings have heard at the
+/// same place: a false echo is easily confirmed by those of something else that stands near, and would hold a
+/// robot that rests before it for as long. Chosen: a person who has waited that long has looked.
 const RESTING_WITHIN_M: f64 = 0.3;
-const RESTING_LIFE: Span = Span(60_000_000_000);
+const RESTING_LIFE: Span = Span(20_000_000_000);
 const RESTING_HEARD: u8 = 2;
 
 /// An unconfirmed one this long: a sonar fires again after 0.32 s.
@@ -85,7 +85,8 @@ pub(super) struct Point {
     pub(super) confirmed: bool,
     /// Whether it is passed over until another firing hears it too.
     pub(super) doubted: bool,
-    /// How many other firings have heard it, of all the echoes that repeated one another.
+    /// How many other firings have heard something at this very place, of all the echoes that repeated one another;
+    /// 1 if one has confirmed it.
     heard: u8,
     /// How many newer echoes have looked through it.
     carved: u8,
@@ -276,7 +277,6 @@ impl Points {
                 }
                 Bearing::Confirms => {
                     point.confirmed = true;
-                    point.heard = point.heard.saturating_add(1);
                     false
                 }
                 Bearing::Replaces => true,
