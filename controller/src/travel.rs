@@ -36,6 +36,17 @@ choice! {
     }
 }
 
+choice! {
+    /// Whose free travel the law's distances d1 and d2 are.
+    LawBody {
+        /// That of the disc about the body.
+        Disc = "disc",
+        /// That of a lane as wide as the footprint, until something is as near ahead as the edge of that disc:
+        /// the body keeps room to turn before a face, and passes beside what is not in its way.
+        Lane = "lane",
+    }
+}
+
 /// Rays of a sweep (specification §5).
 const SWEEP_RAYS: u32 = 9;
 

@@ -28,6 +28,7 @@ const PRINTED: &[(&str, Setting)] = &[
     ("d_mode_task", Name("heading")),
     ("d_mode_free", Name("heading")),
     ("d_body", Name("disc")),
+    ("law_body", Name("disc")),
     ("wait", Name("never")),
     ("reverse_law", Name("same")),
     ("margin", Name("never")),

@@ -44,9 +44,10 @@ const SCALED: [(&str, &[&str], &[Node]); 9] = [
 const DYNAMIC_ONLY: [&str; 2] = ["gamma4", "gamma5"];
 
 /// Which names are exchanged, and where they act.
-const EXCHANGED: [(&str, [&str; 2], &[Node]); 7] = [
+const EXCHANGED: [(&str, [&str; 2], &[Node]); 8] = [
     ("frame", ["wall", "ref"], &[Node::Distances]),
     ("d_body", ["footprint", "disc"], &[Node::Distances]),
+    ("law_body", ["lane", "disc"], &[Node::Distances]),
     ("side_rule", ["near", "printed"], &[Node::Reference]),
     ("branch_signs", ["sigma", "left"], &[Node::Law]),
     ("wait", ["always", "never"], &[Node::Sharing]),

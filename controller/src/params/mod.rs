@@ -18,7 +18,7 @@ use crate::sharing::{Precaution, Sets};
 use crate::side::SideRule;
 use crate::spec::SpecError;
 use crate::target::PredictedTarget;
-use crate::travel::{DBody, DMode};
+use crate::travel::{DBody, DMode, LawBody};
 
 /// What values a parameter may take.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -131,6 +131,7 @@ macro_rules! named_kinds {
 named_kinds!(
     DMode,
     DBody,
+    LawBody,
     Frame,
     SideRule,
     BranchSigns,
@@ -241,6 +242,8 @@ parameters! {
     d_mode_free: DMode = DMode::Sweep, "", Allowed::Names(DMode::NAMES), "specification §5";
     /// Whose free travel D is.
     d_body: DBody = DBody::Footprint, "", Allowed::Names(DBody::NAMES), "specification §5";
+    /// Whose free travel the law's distances are.
+    law_body: LawBody = LawBody::Lane, "", Allowed::Names(LawBody::NAMES), "specification §6";
     /// With which sensors k = 1 is waited for.
     wait: Precaution = Precaution::Always, "", Allowed::Names(Precaution::NAMES), "specification §5, open point f";
     /// How long k = 1 must have been possible without a break before it is granted again.
@@ -265,7 +268,7 @@ parameters! {
     margin: Precaution = Precaution::Never, "", Allowed::Names(Precaution::NAMES), "specification §5";
     /// How much longer than measured with sonars the sets take D to be, which the doubt about echoes makes
     /// too short.
-    sonar_shortfall_m: f64 = 0.12, "m", range(0.0, 1.0), "measured: specification §5";
+    sonar_shortfall_m: f64 = 0.08, "m", range(0.0, 1.0), "measured: specification §5";
     /// Distance that the swept body keeps from everything that it is that far from.
     body_guard_m: f64 = 0.03, "m", range(0.0, 1.0), "specification §9, S2 and S3";
     /// Distance kept free by the margin and by the cone of the safety layer.

@@ -75,14 +75,15 @@ impl View<'_> {
     }
 
     fn scene(&self, framed: &Framed) -> Scene {
-        let View { senses, pose, target, .. } = self;
+        let View { params, senses, pose, target, .. } = self;
+        let distance_m = |angle_rad| senses.law_m(params.law_body, pose, angle_rad);
         let psi_rad = framed.psi_rad;
         let (sin, cos) = libm::sincos(psi_rad);
         let in_frame = |[x, y]: [f64; 2]| [x * cos + y * sin, y * cos - x * sin];
         Scene {
-            d1_m: senses.law_ray_m(pose, psi_rad),
-            d2l_m: senses.law_ray_m(pose, psi_rad + FRAC_PI_2),
-            d2r_m: senses.law_ray_m(pose, psi_rad - FRAC_PI_2),
+            d1_m: distance_m(psi_rad),
+            d2l_m: distance_m(psi_rad + FRAC_PI_2),
+            d2r_m: distance_m(psi_rad - FRAC_PI_2),
             delta_m: in_frame(target.displacement_m(pose)),
             q_mps: in_frame(target.velocity_mps),
             theta_e_rad: pose.theta_rad - psi_rad,

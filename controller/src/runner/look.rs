@@ -24,7 +24,7 @@ pub struct Look<'a> {
 pub struct Ray {
     /// World angle, radians.
     pub angle_rad: f64,
-    /// Free travel of the body's circle, or of the footprint for D, metres: +∞ where nothing is met, NaN where nothing is
+    /// Free travel of what is asked about (`law_body`, `d_body`; for the safety layer the body's circle), metres: +∞ where nothing is met, NaN where nothing is
     /// known (0 for the safety layer).
     pub free_m: f64,
     /// The echo that ends it; `None` with exact rays, and where nothing is met or known.
@@ -56,11 +56,11 @@ impl Look<'_> {
 
     /// The law's ray along a world angle.
     pub fn law_ray(&self, angle_rad: f64) -> Ray {
-        let senses = &self.runner.senses;
+        let (senses, body) = (&self.runner.senses, self.runner.setup.spec.params.law_body);
         Ray {
             angle_rad,
-            free_m: senses.law_ray_m(&self.from, angle_rad),
-            echo: senses.law_limit(&self.from, angle_rad),
+            free_m: senses.law_m(body, &self.from, angle_rad),
+            echo: senses.law_end(body, &self.from, angle_rad),
         }
     }
 

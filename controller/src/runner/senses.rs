@@ -12,7 +12,7 @@ use crate::estimation::{Estimate, Odometry, Report};
 use crate::params::Params;
 use crate::perception::echo_map::{EchoMap, EchoMapSettings, LimitingEcho};
 use crate::safety::Near;
-use crate::travel::DBody;
+use crate::travel::{DBody, LawBody};
 
 /// One sensor suite's view.
 #[derive(Clone, Debug)]
@@ -120,6 +120,39 @@ impl Senses {
             Senses::Exact(exact) => exact.ray_m(from, angle_rad),
             Senses::Sonar(sonar) => sonar.map.law_ray_m(from, angle_rad),
         }
+    }
+
+    /// Free travel along a world angle of what the law's distances are about, metres; NaN if unknown.
+    pub(super) fn law_m(&self, body: LawBody, from: &Pose, angle_rad: f64) -> f64 {
+        match body {
+            LawBody::Disc => self.law_ray_m(from, angle_rad),
+            LawBody::Lane => self.travel_m(DBody::Footprint, from, angle_rad) - self.bulge_m(),
+        }
+    }
+
+    /// The echo that ends [`Senses::law_m`], where one does.
+    pub(super) fn law_end(
+        &self,
+        body: LawBody,
+        from: &Pose,
+        angle_rad: f64,
+    ) -> Option<LimitingEcho> {
+        match body {
+            LawBody::Disc => self.law_limit(from, angle_rad),
+            LawBody::Lane => {
+                let end = self.travel_limit(DBody::Footprint, from, angle_rad)?;
+                Some(LimitingEcho { free_m: end.free_m - self.bulge_m(), ..end })
+            }
+        }
+    }
+
+    /// How far the circle about the body reaches beyond its front, metres.
+    fn bulge_m(&self) -> f64 {
+        let footprint = match self {
+            Senses::Exact(exact) => exact.footprint,
+            Senses::Sonar(sonar) => sonar.footprint,
+        };
+        footprint.circumscribed_radius_m() - 0.5 * footprint.length_m
     }
 
     /// Free travel along a world angle of what D is about, metres; NaN if unknown.
