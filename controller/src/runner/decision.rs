@@ -154,7 +154,7 @@ impl View<'_> {
     /// none of them does, they need not be traced.
     fn safety_rays(&self, u: [f64; 2], shield: &Shield) -> impl Fn(f64) -> f64 {
         let View { senses, pose, .. } = *self;
-        let far = shield.passes_rays(u, pose.theta_rad, senses.safety_least_m(pose));
+        let far = shield.passes_rays(u, pose.theta_rad, || senses.safety_least_m(pose));
         move |angle_rad| if far { f64::INFINITY } else { senses.safety_ray_m(pose, angle_rad) }
     }
 

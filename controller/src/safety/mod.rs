@@ -90,21 +90,29 @@ impl Shield {
         }
     }
 
-    /// Whether rays certainly leave `u` as it is if none of them is shorter than `least_m`: longer ones never
-    /// take more away.
-    pub fn passes_rays(&self, u: [f64; 2], heading_rad: f64, least_m: f64) -> bool {
-        // What is no number has no direction, which counts as unknown.
-        least_m > 0.0
-            && u.iter().all(|component| component.is_finite())
-            && match self {
-                Shield::Swept(_) => true,
-                Shield::Velocity(cone) | Shield::VelocitySwept(cone, _) => {
-                    cone.project(u, heading_rad, |_| least_m) == u
-                }
-                Shield::Acceleration(braking) | Shield::AccelerationSwept(braking, _) => {
-                    braking.project(u, heading_rad, |_| least_m) == u
-                }
+    /// Whether rays certainly leave `u` as it is if none of them is shorter than `least_m` says: longer ones
+    /// never take more away.
+    pub fn passes_rays(
+        &self,
+        u: [f64; 2],
+        heading_rad: f64,
+        least_m: impl FnOnce() -> f64,
+    ) -> bool {
+        let passes = |left: &dyn Fn(f64) -> [f64; 2]| {
+            let least_m = least_m();
+            // What is no number has no direction, which counts as unknown.
+            least_m > 0.0 && u.iter().all(|component| component.is_finite()) && left(least_m) == u
+        };
+        match self {
+            // It asks none.
+            Shield::Swept(_) => true,
+            Shield::Velocity(cone) | Shield::VelocitySwept(cone, _) => {
+                passes(&|least_m| cone.project(u, heading_rad, |_| least_m))
             }
+            Shield::Acceleration(braking) | Shield::AccelerationSwept(braking, _) => {
+                passes(&|least_m| braking.project(u, heading_rad, |_| least_m))
+            }
+        }
     }
 
     /// The same, but where the body is swept it turns no faster than `most_radps`.

@@ -1,13 +1,9 @@
 //! How much nearer than remembered a point may be.
 
-#![expect(
-    clippy::needless_bitwise_bool,
-    reason = "without branches: neighbours in the list of points are of every kind"
-)]
-
 use schemas::{Span, Time};
 
 use super::cones::Cones;
+use super::firings::Firing;
 use super::points::Point;
 
 /// Uncertainty of a range as a share of it: its standard deviation (robot's data; prototype).
@@ -21,10 +17,6 @@ const DRIFT_MOST_M: f64 = 0.12;
 /// What echoed may be on its way towards the robot until its sonar has heard an echo again, or for this
 /// long: silence does not say that it is gone. Chosen: two sweeps, one of them silent.
 const MOVING: Span = Span(700_000_000);
-
-/// What has echoed from one place for this long stands: within the reach of a repetition, 3 cm
-/// and 2 % of the range, it can have moved by 5 cm/s. Chosen: three sweeps.
-const STANDS_AFTER: Span = Span(1_000_000_000);
 
 /// The doubt about where a point is.
 #[derive(Clone, Copy, Debug)]
@@ -55,23 +47,49 @@ pub(super) struct Doubts<'a> {
     pub(super) v_disc_mps: f64,
 }
 
-impl Doubts<'_> {
-    pub(super) fn about(&self, point: &Point) -> Doubt {
-        let drift_m = (DRIFT_SHARE * (self.odometer_m - point.odometer_m)).min(DRIFT_MOST_M);
-        let since = self.now.since(point.fired);
-        // Without branches: neighbours in the list of points are of every kind.
-        let moves =
-            !stands(point) & (since < MOVING) & !self.cones.echoed_after(point.sonar, point.fired);
-        let moved_m = self.v_disc_mps * since.seconds();
-        Doubt {
-            stands_m: RANGE_SHARE * point.range_m + drift_m,
-            moves,
-            moved_m: if moves { moved_m } else { 0.0 },
+/// What the doubts about all points of one firing have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FiringDoubt {
+    /// See [`Doubt`].
+    pub(super) stands_m: f64,
+    /// Whether what does not stand moves, and how far it may have come since, metres; 0 if it does not.
+    moves: bool,
+    moved_m: f64,
+}
+
+impl FiringDoubt {
+    /// None at all.
+    #[cfg(test)]
+    pub(super) const NONE: FiringDoubt = FiringDoubt { stands_m: 0.0, moves: false, moved_m: 0.0 };
+
+    /// The doubt about those of its points that stand, or about the others.
+    pub(super) fn of(&self, stands: bool) -> Doubt {
+        let FiringDoubt { stands_m, moves, moved_m } = *self;
+        if stands {
+            Doubt { stands_m, moves: false, moved_m: 0.0 }
+        } else {
+            Doubt { stands_m, moves, moved_m }
         }
     }
 }
 
-/// Whether what echoed has been there for so long that it is not reckoned to move.
-fn stands(point: &Point) -> bool {
-    point.confirmed & (point.fired.since(point.since) >= STANDS_AFTER)
+impl Doubts<'_> {
+    /// About one point.
+    pub(super) fn about(&self, point: &Point) -> Doubt {
+        self.about_firing(&point.firing()).of(point.stands())
+    }
+
+    /// About the points of a firing.
+    pub(super) fn about_firing(&self, firing: &Firing) -> FiringDoubt {
+        let drift_m = (DRIFT_SHARE * (self.odometer_m - firing.odometer_m)).min(DRIFT_MOST_M);
+        let since = self.now.since(firing.fired);
+        // Without branches: neighbours in the list of firings are of every kind.
+        let moves = (since < MOVING) & !self.cones.echoed_after(firing.sonar, firing.fired);
+        let moved_m = self.v_disc_mps * since.seconds();
+        FiringDoubt {
+            stands_m: RANGE_SHARE * firing.range_m + drift_m,
+            moves,
+            moved_m: if moves { moved_m } else { 0.0 },
+        }
+    }
 }

@@ -4,15 +4,10 @@
 //! line from the robot by 5 cm. A face is where many points agree; near faces count more than far
 //! ones. An arc's wrong points vote too, but they agree on nothing.
 
-#![expect(
-    clippy::needless_bitwise_bool,
-    reason = "without branches: neighbours in the list of points are of every kind"
-)]
-
 use schemas::{Span, Time};
 
 use super::beam::unit;
-use super::points::Point;
+use super::points::Points;
 
 /// Directions of a normal around the circle: 5° each (prototype).
 const DIRECTIONS: usize = 72;
@@ -69,6 +64,10 @@ const ROW: usize = 2 * (CELLS + 1);
 /// Where the cells of a row's own direction begin.
 const AHEAD: usize = CELLS + 1;
 
+/// Pairs of neighbouring cells, of which there are as many as cells, are weighed eight at once: these are as
+/// many, and six more that weigh nothing.
+const PAIRS: usize = CELLS.next_multiple_of(8);
+
 /// How many points vote at once.
 const AT_ONCE: usize = 16;
 
@@ -77,11 +76,11 @@ const AT_ONCE: usize = 16;
 pub(super) struct Faces {
     normals_x: [f32; HALF],
     normals_y: [f32; HALF],
-    /// Where the votes of a direction start.
+    /// Where the votes of a direction start, those behind left out.
     rows: [u32; HALF],
-    /// By cell: in the order of a direction's cells, and of an opposite one's.
-    weights: [i16; CELLS],
-    opposite_weights: [i16; CELLS],
+    /// By pair of cells: in the order of a direction's cells, and of an opposite one's; then 0.
+    weights: [i16; PAIRS],
+    opposite_weights: [i16; PAIRS],
 }
 
 /// The votes of all directions, row by row; as many places as a mask of bits can tell.
@@ -113,22 +112,25 @@ impl Faces {
         let normals: [[f32; 2]; HALF] = std::array::from_fn(|i| {
             unit(angle_rad(i as f64)).map(|x| libm::round(UNITS_PER_1 * x) as f32)
         });
-        let weights = std::array::from_fn(|cell| {
+        let weight = |cell: usize| {
             let distance_m = CELL_M * (cell + 1) as f64;
             libm::round(WEIGHT_UNITS / (NEAR_M + distance_m)) as i16
-        });
+        };
+        let paired = |weight: &dyn Fn(usize) -> i16| {
+            std::array::from_fn(|pair| if pair < CELLS { weight(pair) } else { 0 })
+        };
         Faces {
             normals_x: normals.map(|[x, _]| x),
             normals_y: normals.map(|[_, y]| y),
-            rows: std::array::from_fn(|i| (i * ROW) as u32),
-            weights,
-            opposite_weights: std::array::from_fn(|i| weights[CELLS - 1 - i]),
+            rows: std::array::from_fn(|i| (i * ROW + AHEAD) as u32),
+            weights: paired(&weight),
+            opposite_weights: paired(&|pair| weight(CELLS - 1 - pair)),
         }
     }
 
     /// World angle from `from_m` square into the nearest face, radians, from −π to π; `None` where too
     /// few points agree.
-    pub(super) fn nearest_rad(&self, points: &[Point], from_m: [f64; 2], now: Time) -> Option<f64> {
+    pub(super) fn nearest_rad(&self, points: &Points, from_m: [f64; 2], now: Time) -> Option<f64> {
         let mut votes = Votes([0; Votes::PLACES]);
         self.count(points, from_m, now, &mut votes);
         let (best, cell) = self.heaviest(&votes)?;
@@ -136,32 +138,41 @@ impl Faces {
     }
 
     /// Lets the points vote.
-    fn count(&self, points: &[Point], from_m: [f64; 2], now: Time, votes: &mut Votes) {
-        let mut voters = [[0.0; 2]; AT_ONCE];
-        let mut count = 0;
-        for point in points {
-            let [dx, dy] = [point.at_m[0] - from_m[0], point.at_m[1] - from_m[1]];
-            voters[count] = [dx, dy].map(|metres| (UNITS_PER_M * metres) as i32 as f32);
-            let votes_too = point.confirmed
-                & (point.range_m <= REACH_M)
-                & (now.since(point.fired) <= LIFE)
-                & (dx.abs() <= FARTHEST_M)
-                & (dy.abs() <= FARTHEST_M);
-            count += usize::from(votes_too);
-            if count == AT_ONCE {
-                self.vote(&voters, votes);
-                count = 0;
-            }
+    fn count(&self, points: &Points, from_m: [f64; 2], now: Time, votes: &mut Votes) {
+        let mut have_votes = [false; Points::FIRINGS];
+        for (has_votes, firing) in have_votes.iter_mut().zip(points.firings()) {
+            *has_votes = (firing.range_m <= REACH_M) & (now.since(firing.fired) <= LIFE);
         }
-        self.vote(&voters[..count], votes);
+        let [x_m, y_m] = points.places_m();
+        // Who votes first, without branches; few do not.
+        let mut who = [0_u16; Points::CAPACITY];
+        let mut count = 0;
+        for (index, ((firing, kind), (x_m, y_m))) in
+            (0..).zip(points.kinds().zip(x_m.iter().zip(y_m)))
+        {
+            let near =
+                ((x_m - from_m[0]).abs() <= FARTHEST_M) & ((y_m - from_m[1]).abs() <= FARTHEST_M);
+            who[count] = index;
+            count += usize::from(kind.confirmed() & have_votes[firing] & near);
+        }
+        let mut places = [[0; HALF]; AT_ONCE];
+        for who in who[..count].chunks(AT_ONCE) {
+            let mut voters = [[0.0; 2]; AT_ONCE];
+            for (voter, index) in voters.iter_mut().zip(who) {
+                let index = usize::from(*index);
+                let offset_m = [x_m[index] - from_m[0], y_m[index] - from_m[1]];
+                *voter = offset_m.map(|metres| (UNITS_PER_M * metres) as i32 as f32);
+            }
+            self.vote(&voters[..who.len()], &mut places, votes);
+        }
         for row in votes.0.as_chunks_mut::<ROW>().0 {
             [row[0], row[ROW - 1]] = [0; 2];
         }
     }
 
-    fn vote(&self, voters: &[[f32; 2]], votes: &mut Votes) {
+    /// Lets some points vote; `places` are where their votes go.
+    fn vote(&self, voters: &[[f32; 2]], places: &mut [[u32; HALF]; AT_ONCE], votes: &mut Votes) {
         // All places first: many are reckoned at once.
-        let mut places = [[0; HALF]; AT_ONCE];
         for (places, voter) in places.iter_mut().zip(voters) {
             self.find(*voter, places);
         }
@@ -176,7 +187,7 @@ impl Faces {
     fn find(&self, [x, y]: [f32; 2], places: &mut [u32; HALF]) {
         for (i, place) in places.iter_mut().enumerate() {
             let distance = x * self.normals_x[i] + y * self.normals_y[i];
-            *place = self.rows[i] + place_of(distance);
+            *place = self.rows[i].wrapping_add(place_of(distance));
         }
     }
 
@@ -186,12 +197,12 @@ impl Faces {
         let (mut best, mut best_weight) = (0, 0);
         for opposite in [false, true] {
             for i in 0..HALF {
-                let row = votes.row(i);
-                let (cells, weights) = if opposite {
-                    (&row[..AHEAD], &self.opposite_weights)
+                let (begin, weights) = if opposite {
+                    (i * ROW, &self.opposite_weights)
                 } else {
-                    (&row[AHEAD..], &self.weights)
+                    (i * ROW + AHEAD, &self.weights)
                 };
+                let Some(cells) = votes.0[begin..].first_chunk() else { continue };
                 let heaviest = heaviest_pair(cells, weights);
                 if heaviest > best_weight {
                     best = if opposite { HALF + i } else { i };
@@ -207,7 +218,7 @@ impl Faces {
     }
 }
 
-/// The place in a row of a distance in units, which is a whole number.
+/// The place of a distance in units, which is a whole number, from where those ahead begin in a row.
 fn place_of(distance: f32) -> u32 {
     const CELLS_PER_UNIT: f32 = 1.0 / UNITS_PER_CELL as f32;
     let cells = distance.abs() * CELLS_PER_UNIT;
@@ -215,11 +226,11 @@ fn place_of(distance: f32) -> u32 {
     let cell = ((within - TO_WHOLE) + ROUNDING).to_bits() & 0xff;
     // Of the cells behind the first one lies before the first one ahead: −1 − cell.
     let behind = distance < 0.0;
-    (AHEAD as u32).wrapping_add(if behind { !cell } else { cell })
+    if behind { !cell } else { cell }
 }
 
 /// The most weight of two neighbouring cells, of one more than there are weights.
-fn heaviest_pair(cells: &[i16], weights: &[i16; CELLS]) -> i16 {
+fn heaviest_pair(cells: &[i16; PAIRS + 1], weights: &[i16; PAIRS]) -> i16 {
     let pairs = cells.iter().zip(&cells[1..]).zip(weights);
     pairs.fold(0, |most, ((a, b), weight)| most.max((a + b).min(MOST_SUPPORT) * weight))
 }
@@ -250,10 +261,11 @@ fn angle_rad(direction: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
     use schemas::SIMULATION_EPOCH;
 
     use super::super::beam::ARC_POINTS;
-    use super::super::points::PlacedEcho;
+    use super::super::points::{PlacedEcho, Point};
     use super::*;
 
     fn heard(at_m: [f64; 2], range_m: f64, confirmed: bool) -> Point {
@@ -282,8 +294,16 @@ mod tests {
             .collect()
     }
 
+    fn kept(points: &[Point]) -> Points {
+        let mut kept = Points::new();
+        for point in points {
+            kept.keep(*point);
+        }
+        kept
+    }
+
     fn nearest_deg(points: &[Point]) -> Option<f64> {
-        Faces::new().nearest_rad(points, [0.0; 2], SIMULATION_EPOCH).map(f64::to_degrees)
+        Faces::new().nearest_rad(&kept(points), [0.0; 2], SIMULATION_EPOCH).map(f64::to_degrees)
     }
 
     fn apart_deg(a: f64, b: f64) -> f64 {
@@ -298,13 +318,38 @@ mod tests {
         assert!(farthest < 1 << f32::MANTISSA_DIGITS);
         for distance in 0..farthest {
             let cell = (distance / UNITS_PER_CELL).min(CELLS as u32);
-            let ahead = AHEAD as u32;
-            assert_eq!(place_of(distance as f32), ahead + cell, "{distance}");
-            let behind = if distance == 0 { ahead } else { ahead - 1 - cell };
-            assert_eq!(place_of(-(distance as f32)), behind, "−{distance}");
+            assert_eq!(place_of(distance as f32), cell, "{distance}");
+            let behind = if distance == 0 { 0 } else { -1 - cell.cast_signed() };
+            assert_eq!(place_of(-(distance as f32)).cast_signed(), behind, "−{distance}");
         }
         let most = 2.0 * UNITS_PER_M * FARTHEST_M * UNITS_PER_1;
         assert!(most * std::f64::consts::FRAC_1_SQRT_2 < f64::from(farthest));
+    }
+
+    proptest! {
+        /// The direction and the cell are those that looking at one pair of cells after the other finds.
+        #[test]
+        fn the_heaviest_is_found(
+            counts in prop::collection::vec((0..HALF, 0..ROW - 2, 1..600_i16), 0..60),
+        ) {
+            let faces = Faces::new();
+            let mut votes = Votes([0; Votes::PLACES]);
+            for (direction, place, count) in counts {
+                votes.0[direction * ROW + 1 + place] = count;
+            }
+            let (mut best, mut best_weight) = (None, 0);
+            for direction in 0..DIRECTIONS {
+                for cell in 0..CELLS {
+                    let support = votes.support(direction, cell);
+                    let weight = support.min(MOST_SUPPORT) * faces.weights[cell];
+                    if weight > best_weight {
+                        (best, best_weight) = (Some((direction, cell)), weight);
+                    }
+                }
+            }
+            let best = best.filter(|(direction, cell)| votes.support(*direction, *cell) >= LEAST_SUPPORT);
+            prop_assert_eq!(faces.heaviest(&votes), best);
+        }
     }
 
     /// Votes go to the direction, or to the opposite one where the distance along it is negative.
@@ -314,7 +359,7 @@ mod tests {
         for (x, y) in [(0, 0), (0, 1), (0, -1), (-1, 0), (700, -300), (-2_000, 1_500), (-900, 900)]
         {
             let mut votes = Votes([0; Votes::PLACES]);
-            faces.vote(&[[x as f32, y as f32]], &mut votes);
+            faces.vote(&[[x as f32, y as f32]], &mut [[0; HALF]; AT_ONCE], &mut votes);
             assert_eq!(votes.0.iter().map(|votes| *votes as usize).sum::<usize>(), HALF);
             for i in 0..HALF {
                 let normal = [faces.normals_x[i] as i32, faces.normals_y[i] as i32];
@@ -358,7 +403,7 @@ mod tests {
         let unconfirmed: Vec<Point> = all.iter().map(|p| heard(p.at_m, 1.0, false)).collect();
         assert!(nearest_deg(&unconfirmed).is_none());
         let later = SIMULATION_EPOCH.after_ns(3_000_000_001);
-        assert!(Faces::new().nearest_rad(&all, [0.0; 2], later).is_none());
+        assert!(Faces::new().nearest_rad(&kept(&all), [0.0; 2], later).is_none());
         let far: Vec<Point> = all.iter().map(|p| heard(p.at_m, 2.6, true)).collect();
         assert!(nearest_deg(&far).is_none());
     }

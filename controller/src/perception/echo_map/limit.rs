@@ -80,7 +80,13 @@ impl EchoMap {
     ) -> Option<LimitingEcho> {
         let now = self.advanced_to.filter(|_| self.knows(from, angle_rad))?;
         // The law's scan is made of confirmed points, and does not reckon with what moves.
-        let scan = if laws { &self.law } else { &self.safety };
+        let shows = |point_m: &[f64; 2]| {
+            if laws {
+                self.law_points().contains(point_m)
+            } else {
+                self.safety_points().contains(point_m)
+            }
+        };
         let doubts = Doubts {
             cones: &self.cones,
             now,
@@ -101,7 +107,7 @@ impl EchoMap {
             // Of several points in one direction the scan shows the nearest alone; looking for it there
             // is the costly part.
             if free_m < nearest.map_or(f64::INFINITY, |echo| echo.free_m)
-                && (in_gap || scan.points_m().contains(&drawn_m))
+                && (in_gap || shows(&drawn_m))
             {
                 let Point { at_m, range_m, fired, confirmed, .. } = *point;
                 nearest = Some(LimitingEcho {

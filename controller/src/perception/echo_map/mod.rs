@@ -27,7 +27,9 @@ mod beam;
 mod cones;
 mod doubt;
 mod faces;
+mod firings;
 mod gaps;
+mod life;
 mod limit;
 mod points;
 mod ray;
@@ -35,6 +37,9 @@ mod scan;
 mod sightings;
 mod surprise;
 mod walls;
+
+use std::cell::{Cell, Ref, RefCell};
+use std::ops::Deref;
 
 use schemas::{Disc, Footprint, Pose, SONARS, SonarEcho, SonarScan, Time};
 
@@ -84,7 +89,9 @@ pub struct EchoMap {
     faces: Faces,
     sightings: Sightings,
     law: Scan,
-    safety: Scan,
+    /// Made when it is first asked for, which most steps never do.
+    safety: RefCell<Scan>,
+    safety_made: Cell<bool>,
     /// What the gaps' points add, for the law and for the safety layer, metres, world frame.
     law_gaps: Vec<[f64; 2]>,
     safety_gaps: Vec<[f64; 2]>,
@@ -104,7 +111,8 @@ impl EchoMap {
             faces: Faces::new(),
             sightings: Sightings::new(),
             law: Scan::new(settings.inflation_m),
-            safety: Scan::new(settings.inflation_m),
+            safety: RefCell::new(Scan::new(settings.inflation_m)),
+            safety_made: Cell::new(true),
             law_gaps: Vec::with_capacity(Gaps::MOST_POINTS),
             safety_gaps: Vec::with_capacity(Gaps::MOST_POINTS),
             advanced_to: None,
@@ -133,8 +141,9 @@ impl EchoMap {
         self.advanced_to = Some(now);
         self.place_pending(odometry);
         let cones = &self.cones;
-        self.points
-            .age(now, odometry.odometer_m(), |point| !cones.echoed_after(point.sonar, point.fired));
+        self.points.age(now, odometry.odometer_m(), |firing| {
+            !cones.echoed_after(firing.sonar, firing.fired)
+        });
         self.cones.age(now, self.settings.lease_s);
         self.look(now, odometry.odometer_m(), about.position_m());
     }
@@ -169,7 +178,7 @@ impl EchoMap {
     /// The same through everything that was heard, with the unknown as 0: blocked. Never NaN.
     pub fn safety_ray_m(&self, from: &Pose, angle_rad: f64) -> f64 {
         if self.knows(from, angle_rad) {
-            self.ray_m(&self.safety, &self.safety_gaps, from, angle_rad)
+            self.ray_m(&self.safety(), &self.safety_gaps, from, angle_rad)
         } else {
             0.0
         }
@@ -179,7 +188,7 @@ impl EchoMap {
     /// one may be unknown.
     pub(crate) fn safety_least_m(&self, from: &Pose) -> f64 {
         let from_m = from.position_m();
-        if !self.cones.all_fresh() || !from.is_finite() || from_m != self.safety.about_m() {
+        if !self.cones.all_fresh() || !from.is_finite() || from_m != self.sightings.about_m() {
             return f64::NEG_INFINITY;
         }
         let away_m2 = |[x_m, y_m]: &[f64; 2]| {
@@ -187,7 +196,7 @@ impl EchoMap {
             dx * dx + dy * dy
         };
         let in_gaps_m2 = self.safety_gaps.iter().map(away_m2).fold(f64::INFINITY, f64::min);
-        least_free_m(self.settings.inflation_m, self.safety.least_m().min(in_gaps_m2.sqrt()))
+        least_free_m(self.settings.inflation_m, self.sightings.least_m().min(in_gaps_m2.sqrt()))
     }
 
     /// The points that the law's rays meet, metres, world frame: the nearest per direction about the
@@ -197,8 +206,8 @@ impl EchoMap {
     }
 
     /// The points that the safety layer's rays meet, likewise.
-    pub fn safety_points(&self) -> &[[f64; 2]] {
-        self.safety.points_m()
+    pub fn safety_points(&self) -> impl Deref<Target = [[f64; 2]]> {
+        Ref::map(self.safety(), Scan::points_m)
     }
 
     /// The points that the safety layer's rays meet besides in the blind gaps, likewise; few and only
@@ -218,7 +227,7 @@ impl EchoMap {
         let ahead = unit(at.theta_rad);
         let half_m = [0.5 * footprint.length_m, 0.5 * footprint.width_m];
         let mut least_m = f64::INFINITY;
-        for [x, y] in self.safety.points_m() {
+        for [x, y] in self.safety().points_m() {
             let [dx, dy] = [x - at.x_m, y - at.y_m];
             let beyond_m = (dx * ahead[0] + dy * ahead[1]).abs() - half_m[0];
             let aside_m = (dy * ahead[0] - dx * ahead[1]).abs() - half_m[1];
@@ -244,7 +253,7 @@ impl EchoMap {
     /// Where walls may be between neighbouring confirmed points, near the place given to
     /// [`EchoMap::advance`]: see [`walls`].
     pub(crate) fn walls_between(&self, each: impl FnMut([f64; 2])) {
-        walls::between(self.law.points_m(), self.law.about_m(), each);
+        walls::between(self.law.points_m(), self.sightings.about_m(), each);
     }
 
     /// Whether the ways ahead and behind have been looked at: every sonar within 50° of either.
@@ -280,7 +289,7 @@ impl EchoMap {
     /// few echoes agree on one. To be asked after [`EchoMap::advance`].
     pub fn face_direction_rad(&self, from: &Pose) -> Option<f64> {
         let now = self.advanced_to.filter(|_| from.is_finite())?;
-        self.faces.nearest_rad(self.points.as_slice(), from.position_m(), now)
+        self.faces.nearest_rad(&self.points, from.position_m(), now)
     }
 
     /// Takes the whole state into a hash; `start` is the start of the session.
@@ -312,6 +321,14 @@ impl EchoMap {
         } else {
             remembered_m
         }
+    }
+
+    /// The scan of the safety layer.
+    fn safety(&self) -> Ref<'_, Scan> {
+        if !self.safety_made.replace(true) {
+            self.safety.borrow_mut().take(&self.sightings, self.sightings.drawn_m());
+        }
+        self.safety.borrow()
     }
 
     fn forget(&mut self) {
@@ -371,15 +388,9 @@ impl EchoMap {
     fn look(&mut self, now: Time, odometer_m: f64, about_m: [f64; 2]) {
         let EchoMapSettings { v_disc_mps, lease_s, .. } = self.settings;
         let doubts = Doubts { cones: &self.cones, now, odometer_m, v_disc_mps };
-        self.sightings.take(&self.points, about_m, |point| doubts.about(point));
-        self.law.clear();
-        self.safety.clear();
-        for (index, (direction, [drawn_m, law_drawn_m])) in (0..).zip(self.sightings.drawn()) {
-            self.safety.see(index, direction, drawn_m);
-            self.law.see(index, direction, law_drawn_m);
-        }
-        self.law.finish(&self.sightings);
-        self.safety.finish(&self.sightings);
+        self.sightings.take(&self.points, about_m, |firing| doubts.about_firing(firing));
+        self.law.take(&self.sightings, self.sightings.law_drawn_m());
+        self.safety_made.set(false);
 
         self.law_gaps.clear();
         self.safety_gaps.clear();

@@ -9,36 +9,13 @@
 //!   carves, because a wall at a slant is silent too; nor does an unconfirmed echo, because the detours
 //!   that sound takes off such walls pretend to look through them.
 
-#![expect(
-    clippy::needless_bitwise_bool,
-    reason = "without branches: neighbours in the list of points are of every kind"
-)]
-
 use schemas::{Span, Time};
 
 use super::arc::{Arc, Bearing, Meeting, Slopes};
 use super::beam::ARC_POINTS;
+use super::firings::{Firing, Firings, Slot};
+use super::life::{Kind, Life};
 use crate::digest::Digest;
-
-/// A confirmed point is remembered this long (prototype: longer lets odometry drift in).
-const CONFIRMED_LIFE: Span = Span(5_000_000_000);
-
-/// … but where the robot has hardly moved since, by this much of the odometer, metres, odometry has not
-/// drifted either, and it is remembered for this long: a robot that waits before a corner which
-/// only echoes now and then must not forget it. This holds for what so many other firings have heard at the
-/// same place: a false echo is easily confirmed by those of something else that stands near, and would hold a
-/// robot that rests before it for as long. Chosen: a person who has waited that long has looked.
-const RESTING_WITHIN_M: f64 = 0.3;
-const RESTING_LIFE: Span = Span(20_000_000_000);
-const RESTING_HEARD: u8 = 2;
-
-/// An unconfirmed one this long: a sonar fires again after 0.32 s.
-const UNCONFIRMED_LIFE: Span = Span(400_000_000);
-
-/// … but one heard from as near as this, metres, may be someone who comes nearer still: while its sonar has
-/// heard nothing since it is remembered this long, for one of two sweeps may be silent.
-const COMING_NEAR_M: f64 = 0.5;
-const COMING_LIFE: Span = Span(720_000_000);
 
 /// How many echoes must have looked through a point before it goes.
 const CARVE_HITS: u8 = 2;
@@ -48,6 +25,10 @@ const CARVE_HITS: u8 = 2;
 /// echoes in a row are common there, four are not.
 const CARVE_NEAR_M: f64 = 1.0;
 const CARVE_NEAR_HITS: u8 = 4;
+
+/// What has echoed from one place for this long stands: within the reach of a repetition, 3 cm
+/// and 2 % of the range, it can have moved by 5 cm/s. Chosen: three sweeps.
+const STANDS_AFTER: Span = Span(1_000_000_000);
 
 /// An echo, placed in the odometry frame.
 #[derive(Clone, Copy, Debug)]
@@ -87,7 +68,7 @@ pub(super) struct Point {
     pub(super) doubted: bool,
     /// How many other firings have heard something at this very place, of all the echoes that repeated one another;
     /// 1 if one has confirmed it.
-    heard: u8,
+    pub(super) heard: u8,
     /// How many newer echoes have looked through it.
     carved: u8,
     /// When something was first heard here, of all the echoes that repeated one another.
@@ -115,12 +96,23 @@ impl Point {
 
     /// Whether something is taken to be there.
     pub(super) fn counts(&self) -> bool {
-        self.confirmed | !self.doubted
+        self.confirmed || !self.doubted
     }
 
     /// How many echoes must have looked through it before it goes.
     fn carving_hits(&self) -> u8 {
         if self.confirmed && self.range_m < CARVE_NEAR_M { CARVE_NEAR_HITS } else { CARVE_HITS }
+    }
+
+    /// What it has in common with others of its echo.
+    pub(super) fn firing(&self) -> Firing {
+        let Point { sonar, range_m, fired, odometer_m, .. } = *self;
+        Firing { sonar, range_m, fired, odometer_m }
+    }
+
+    /// Whether what echoed has been there for so long that it is not reckoned to move.
+    pub(super) fn stands(&self) -> bool {
+        self.confirmed & (self.fired.since(self.since) >= STANDS_AFTER)
     }
 
     pub(super) fn fold(&self, digest: &mut Digest, start: Time) {
@@ -137,9 +129,17 @@ impl Point {
 #[derive(Clone, Debug)]
 pub(super) struct Points {
     kept: Vec<Point>,
-    /// Where they are, metres, by axis: what each echo asks of every point.
+    /// Where they are, metres, by axis, and nearly there: what each echo asks of every point.
     x_m: Vec<f64>,
     y_m: Vec<f64>,
+    nearly_x_m: Vec<f32>,
+    nearly_y_m: Vec<f32>,
+    /// Which firing each is of, and of which kind it is: what a step asks of every point.
+    firing: Vec<Slot>,
+    kind: Vec<Kind>,
+    firings: Firings,
+    /// By firing: for which kinds of life, as bits, its points are too old.
+    old: Vec<u8>,
     /// Places in `kept` of the points that the echo in hand can bear on, and what it means to each.
     met: Vec<u16>,
     bearings: Vec<Bearing>,
@@ -154,11 +154,20 @@ impl Points {
     /// none repeats another; repeats, carving and the short life of the unconfirmed leave 200 to 400.
     pub(super) const CAPACITY: usize = 1024;
 
+    /// How many firings they are of, at most: that of the echo in hand may have no point yet.
+    pub(super) const FIRINGS: usize = Points::CAPACITY + 1;
+
     pub(super) fn new() -> Points {
         Points {
             kept: Vec::with_capacity(Points::CAPACITY),
             x_m: Vec::with_capacity(Points::CAPACITY),
             y_m: Vec::with_capacity(Points::CAPACITY),
+            nearly_x_m: Vec::with_capacity(Points::CAPACITY),
+            nearly_y_m: Vec::with_capacity(Points::CAPACITY),
+            firing: Vec::with_capacity(Points::CAPACITY),
+            kind: Vec::with_capacity(Points::CAPACITY),
+            firings: Firings::new(Points::FIRINGS),
+            old: Vec::with_capacity(Points::FIRINGS),
             met: Vec::with_capacity(Points::CAPACITY),
             bearings: Vec::with_capacity(Points::CAPACITY),
             slopes: Slopes::new(),
@@ -179,9 +188,17 @@ impl Points {
                 fired: schemas::SIMULATION_EPOCH,
                 odometer_m: 0.0,
             };
-            points.push(Point::new(&echo, *at_m, true));
+            points.keep(Point::new(&echo, *at_m, true));
         }
         points
+    }
+
+    /// Keeps one more point, as of a firing of its own.
+    #[cfg(test)]
+    pub(super) fn keep(&mut self, point: Point) {
+        let firing = self.firings.add(point.firing());
+        self.push(point, firing);
+        self.firings.release(firing);
     }
 
     #[cfg(test)]
@@ -198,10 +215,25 @@ impl Points {
         [&self.x_m, &self.y_m]
     }
 
+    /// What the points are of.
+    pub(super) fn firings(&self) -> &[Firing] {
+        self.firings.as_slice()
+    }
+
+    /// Of each point, in their order, where its firing is among those, and its kind.
+    pub(super) fn kinds(&self) -> impl Iterator<Item = (usize, Kind)> {
+        self.firing.iter().map(|slot| usize::from(*slot)).zip(self.kind.iter().copied())
+    }
+
     pub(super) fn clear(&mut self) {
         self.kept.clear();
         self.x_m.clear();
         self.y_m.clear();
+        self.nearly_x_m.clear();
+        self.nearly_y_m.clear();
+        self.firing.clear();
+        self.kind.clear();
+        self.firings.clear();
     }
 
     /// Takes an echo; true if it is confirmed. If it is not, `doubted` says whether it is to be passed over.
@@ -215,30 +247,33 @@ impl Points {
         } else {
             points = echo.arc_m.map(|at_m| Point { doubted, ..Point::new(echo, at_m, false) });
         }
+        let firing = self.firings.add(Firing::of(echo));
         for point in points {
             self.make_room();
-            self.push(point);
+            self.push(point, firing);
         }
+        self.firings.release(firing);
         confirmed
     }
 
     /// Collects, in order, the points that an echo can bear on at all: few of those there are.
     fn meet(&mut self, arc: &Arc<'_>) {
-        // Written so that every point costs the same, without a branch.
-        self.met.resize(self.kept.len(), 0);
-        let (mut index, mut count) = (0, 0);
-        for (x_m, y_m) in self.x_m.chunks(AT_ONCE).zip(self.y_m.chunks(AT_ONCE)) {
-            let mut concerned = [false; AT_ONCE];
+        self.met.clear();
+        let places_m = self.nearly_x_m.chunks(AT_ONCE).zip(self.nearly_y_m.chunks(AT_ONCE));
+        for (first, (x_m, y_m)) in (0..).step_by(AT_ONCE).zip(places_m) {
+            // So that several are asked at once, each answers with a byte, and eight are looked at together.
+            let mut concerned = [0; AT_ONCE];
             for (concerned, (x_m, y_m)) in concerned.iter_mut().zip(x_m.iter().zip(y_m)) {
-                *concerned = arc.may_concern([*x_m, *y_m]);
+                *concerned = u8::from(arc.may_concern([*x_m, *y_m]));
             }
-            for concerned in &concerned[..x_m.len()] {
-                self.met[count] = index;
-                count += usize::from(*concerned);
-                index += 1;
+            for (start, eight) in (first..).step_by(8).zip(concerned.as_chunks().0) {
+                let mut left = u64::from_le_bytes(*eight);
+                while left != 0 {
+                    self.met.push(start + (left.trailing_zeros() / 8) as u16);
+                    left &= left - 1;
+                }
             }
         }
-        self.met.truncate(count);
     }
 
     /// Says of each point met what the echo means to it, and whether one of them confirms the echo. For
@@ -277,6 +312,7 @@ impl Points {
                 }
                 Bearing::Confirms => {
                     point.confirmed = true;
+                    self.kind[usize::from(met)] = Kind::of(point);
                     false
                 }
                 Bearing::Replaces => true,
@@ -296,11 +332,17 @@ impl Points {
         }
     }
 
-    fn push(&mut self, point: Point) {
+    /// Keeps a point of a firing, which it holds.
+    fn push(&mut self, point: Point, firing: Slot) {
         let [x_m, y_m] = point.at_m;
+        self.firings.hold(firing);
         self.kept.push(point);
         self.x_m.push(x_m);
         self.y_m.push(y_m);
+        self.nearly_x_m.push(x_m as f32);
+        self.nearly_y_m.push(y_m as f32);
+        self.firing.push(firing);
+        self.kind.push(Kind::of(&point));
     }
 
     /// Forgets a point. The last one kept takes its place.
@@ -308,34 +350,40 @@ impl Points {
         self.kept.swap_remove(index);
         self.x_m.swap_remove(index);
         self.y_m.swap_remove(index);
+        self.nearly_x_m.swap_remove(index);
+        self.nearly_y_m.swap_remove(index);
+        self.kind.swap_remove(index);
+        self.firings.release(self.firing.swap_remove(index));
     }
 
     /// Forgets what is too old at `now`, when the odometer stands at `odometer_m`. `silent_since` says
-    /// whether a point's sonar has heard no echo since.
+    /// whether a firing's sonar has heard no echo since.
     pub(super) fn age(
         &mut self,
         now: Time,
         odometer_m: f64,
-        silent_since: impl Fn(&Point) -> bool,
+        silent_since: impl Fn(&Firing) -> bool,
     ) {
-        // Since when what is kept so long must have been heard.
-        let since = |life: Span| Time(now.0.saturating_sub(life.0));
-        let confirmed_since = [since(CONFIRMED_LIFE), since(RESTING_LIFE)];
-        let unconfirmed_since = [since(UNCONFIRMED_LIFE), since(COMING_LIFE)];
-        let is_old = |point: &Point| {
-            // Chosen, not branched to: neighbours in the list are of every kind.
-            let resting = (point.heard >= RESTING_HEARD)
-                & (odometer_m - point.odometer_m <= RESTING_WITHIN_M);
-            let coming = (point.range_m < COMING_NEAR_M) & silent_since(point);
-            let long = if point.confirmed { resting } else { coming };
-            let [usual, longer] = if point.confirmed { confirmed_since } else { unconfirmed_since };
-            point.fired < if long { longer } else { usual }
-        };
+        let life = Life::new(now, odometer_m);
+        self.old.clear();
+        let old = self.firings.as_slice().iter().map(|firing| life.old(firing, &silent_since));
+        self.old.extend(old);
+        if self.old.iter().all(|old| *old == 0) {
+            return;
+        }
         let mut index = 0;
-        while let Some(offset) = self.kept[index..].iter().position(is_old) {
+        while let Some(offset) = self.first_old(index) {
             index += offset;
             self.remove(index);
         }
+    }
+
+    /// How many points from `index` on come before the first one that is too old.
+    fn first_old(&self, index: usize) -> Option<usize> {
+        let points = self.firing[index..].iter().zip(&self.kind[index..]);
+        points
+            .map(|(firing, kind)| kind.is_among(self.old[usize::from(*firing)]))
+            .position(|old| old)
     }
 
     /// When full, forgets the oldest point.
@@ -355,3 +403,6 @@ impl Points {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

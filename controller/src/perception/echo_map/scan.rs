@@ -27,8 +27,6 @@ pub(super) struct Scan {
     bumps: [Bump; DIRECTIONS],
     count: usize,
     before: [u8; DIRECTIONS + 1],
-    /// How far away the nearest point of all is, metres; +∞ without any.
-    least_m: f64,
     /// How many steps off a ray's direction even the nearest point of all is out of its way.
     window: usize,
     /// For so many steps between a ray and a point, the least sine of the angle between them.
@@ -47,21 +45,24 @@ impl Scan {
             bumps: [Bump { offset_m: [0.0; 2], radius_m2: 0.0 }; DIRECTIONS],
             count: 0,
             before: [0; DIRECTIONS + 1],
-            least_m: f64::INFINITY,
             window: 0,
             least_sines: std::array::from_fn(least_sine),
         }
     }
 
-    /// Starts again: then comes [`Scan::see`] for each of some sightings, in their order, and
-    /// [`Scan::finish`].
-    pub(super) fn clear(&mut self) {
+    /// Starts again, about the place of some sightings, each of which counts as so many metres away. Now
+    /// rays may be asked.
+    pub(super) fn take(&mut self, sightings: &Sightings, drawn_m: &[f64]) {
         self.nearest_m.fill(f64::INFINITY);
         self.nearest.fill(NONE);
+        for (index, (direction, drawn_m)) in (0..).zip(sightings.directions().iter().zip(drawn_m)) {
+            self.see(index, usize::from(*direction), *drawn_m);
+        }
+        self.finish(sightings);
     }
 
     /// Takes the sighting `index`, which counts as `drawn_m` away, metres.
-    pub(super) fn see(&mut self, index: u16, direction: usize, drawn_m: f64) {
+    fn see(&mut self, index: u16, direction: usize, drawn_m: f64) {
         // Chosen, not branched to: nobody can tell beforehand which is nearer.
         let nearest_m = self.nearest_m[direction];
         let nearer = drawn_m < nearest_m;
@@ -69,8 +70,8 @@ impl Scan {
         self.nearest[direction] = if nearer { index } else { self.nearest[direction] };
     }
 
-    /// Ends a round of [`Scan::see`]; now rays may be asked.
-    pub(super) fn finish(&mut self, sightings: &Sightings) {
+    /// Puts what was seen in order.
+    fn finish(&mut self, sightings: &Sightings) {
         self.about_m = sightings.about_m();
         let mut occupied = [0; DIRECTIONS];
         let mut count = 0;
@@ -91,21 +92,10 @@ impl Scan {
             *bump = Bump::about(*seen, self.about_m, self.radius_m);
             least_m = if drawn_m < least_m { drawn_m } else { least_m };
         }
-        self.least_m = least_m;
         // A point at distance ρ, an angle α off a ray, is met only if ρ sin α is less than the radius.
         let met =
             |sine: &&f64| **sine <= LEAST_RADIUS_SHARE || least_m * **sine * SLACK < self.radius_m;
         self.window = self.least_sines.iter().take_while(met).count();
-    }
-
-    /// The place that it is about, metres.
-    pub(super) fn about_m(&self) -> [f64; 2] {
-        self.about_m
-    }
-
-    /// How far away the nearest point is, metres; +∞ without any.
-    pub(super) fn least_m(&self) -> f64 {
-        self.least_m
     }
 
     /// The nearest points, metres, world frame, in the order of their directions.
@@ -179,20 +169,16 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::beam::unit;
-    use super::super::doubt::Doubt;
+    use super::super::doubt::FiringDoubt;
     use super::super::points::Points;
     use super::*;
 
     fn scan_of(points_m: &[[f64; 2]], about_m: [f64; 2], radius_m: f64) -> Scan {
         let mut sightings = Sightings::new();
-        let doubt = Doubt { stands_m: 0.0, moves: false, moved_m: 0.0 };
+        let doubt = FiringDoubt::NONE;
         sightings.take(&Points::at(points_m), about_m, |_| doubt);
         let mut scan = Scan::new(radius_m);
-        scan.clear();
-        for (index, (direction, [drawn_m, _])) in sightings.drawn().enumerate() {
-            scan.see(index as u16, direction, drawn_m);
-        }
-        scan.finish(&sightings);
+        scan.take(&sightings, sightings.drawn_m());
         scan
     }
 

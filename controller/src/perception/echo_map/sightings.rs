@@ -1,7 +1,8 @@
 //! Where the remembered points appear from one place, and how much nearer each of them counts.
 
-use super::doubt::Doubt;
-use super::points::{Point, Points};
+use super::doubt::FiringDoubt;
+use super::firings::Firing;
+use super::points::Points;
 
 /// How many directions. They are equal steps of the pseudo-angle below, which are 0.95° wide along
 /// the axes and 1.9° between them: 1.5° on average, as the echo map's prototype had it.
@@ -32,6 +33,29 @@ pub(super) struct Sightings {
     /// How far away each counts then, metres; +∞ where it is not seen.
     drawn_m: Vec<f64>,
     law_drawn_m: Vec<f64>,
+    /// By firing, what its points' doubts are.
+    doubts: Vec<Doubted>,
+}
+
+/// The numbers above of points of one firing.
+#[derive(Clone, Copy, Debug)]
+struct Doubted {
+    /// Of those that do not stand, and of those that do.
+    nearer_m: [f64; 2],
+    moves: [bool; 2],
+    /// Of the unconfirmed, and of the confirmed.
+    law_nearer_m: [f64; 2],
+}
+
+impl Doubted {
+    fn of(doubt: FiringDoubt) -> Doubted {
+        let by_standing = [false, true].map(|stands| doubt.of(stands));
+        Doubted {
+            nearer_m: by_standing.map(|doubt| doubt.nearer_m()),
+            moves: by_standing.map(|doubt| doubt.moves),
+            law_nearer_m: [f64::NEG_INFINITY, doubt.stands_m],
+        }
+    }
 }
 
 impl Sightings {
@@ -49,6 +73,7 @@ impl Sightings {
             law_nearer_m: room(),
             drawn_m: room(),
             law_drawn_m: room(),
+            doubts: Vec::with_capacity(Points::FIRINGS),
         }
     }
 
@@ -58,19 +83,23 @@ impl Sightings {
         &mut self,
         points: &Points,
         about_m: [f64; 2],
-        doubt: impl Fn(&Point) -> Doubt,
+        doubt: impl Fn(&Firing) -> FiringDoubt,
     ) {
         self.about_m = about_m;
         let count = points.as_slice().len();
+        let doubted = |firing: &Firing| Doubted::of(doubt(firing));
+        refill(&mut self.doubts, points.firings().iter().map(doubted));
         self.nearer_m.resize(count, 0.0);
         self.law_nearer_m.resize(count, 0.0);
         self.moves.resize(count, false);
         let columns = self.nearer_m.iter_mut().zip(&mut self.law_nearer_m).zip(&mut self.moves);
-        for (point, ((nearer_m, law_nearer_m), moves)) in points.as_slice().iter().zip(columns) {
-            let doubt = doubt(point);
-            *nearer_m = if point.counts() { doubt.nearer_m() } else { f64::NEG_INFINITY };
-            *law_nearer_m = if point.confirmed { doubt.stands_m } else { f64::NEG_INFINITY };
-            *moves = doubt.moves;
+        for ((firing, kind), ((nearer_m, law_nearer_m), moves)) in points.kinds().zip(columns) {
+            let doubted = &self.doubts[firing];
+            let stands = usize::from(kind.stands());
+            let nearer = doubted.nearer_m[stands];
+            *nearer_m = if kind.counts() { nearer } else { f64::NEG_INFINITY };
+            *moves = doubted.moves[stands];
+            *law_nearer_m = doubted.law_nearer_m[usize::from(kind.confirmed())];
         }
         let [x_m, y_m] = points.places_m();
         refill(&mut self.dx_m, x_m.iter().map(|x_m| x_m - about_m[0]));
@@ -89,13 +118,35 @@ impl Sightings {
         self.about_m
     }
 
-    /// In which direction each appears, and how far away it counts, metres, for the safety layer and for
-    /// the law.
-    pub(super) fn drawn(&self) -> impl Iterator<Item = (usize, [f64; 2])> {
-        let drawn_m = self.drawn_m.iter().zip(&self.law_drawn_m);
-        self.direction.iter().zip(drawn_m).map(|(direction, (drawn_m, law_drawn_m))| {
-            (usize::from(*direction), [*drawn_m, *law_drawn_m])
-        })
+    /// In which direction each appears.
+    pub(super) fn directions(&self) -> &[u8] {
+        &self.direction
+    }
+
+    /// How far away each counts for the safety layer, metres.
+    pub(super) fn drawn_m(&self) -> &[f64] {
+        &self.drawn_m
+    }
+
+    /// The same for the law; +∞ where that does not see it.
+    pub(super) fn law_drawn_m(&self) -> &[f64] {
+        &self.law_drawn_m
+    }
+
+    /// How far away the nearest counts for the safety layer, metres; +∞ without any.
+    pub(super) fn least_m(&self) -> f64 {
+        if self.direction.contains(&(NOWHERE as u8)) {
+            let somewhere = |(direction, _): &(&u8, &f64)| usize::from(**direction) != NOWHERE;
+            let seen = self.direction.iter().zip(&self.drawn_m).filter(somewhere);
+            return seen.map(|(_, drawn_m)| *drawn_m).fold(f64::INFINITY, lesser);
+        }
+        // Several at once.
+        let (some, rest) = self.drawn_m.as_chunks::<8>();
+        let mut least_m = [f64::INFINITY; 8];
+        for drawn_m in some {
+            least_m = std::array::from_fn(|i| lesser(least_m[i], drawn_m[i]));
+        }
+        least_m.into_iter().chain(rest.iter().copied()).fold(f64::INFINITY, lesser)
     }
 
     /// How much nearer each counts for the safety layer, metres, and whether it may be on its way.
@@ -110,6 +161,11 @@ impl Sightings {
     }
 }
 
+/// The lesser of two numbers; the first where the second is none.
+fn lesser(a: f64, b: f64) -> f64 {
+    if b < a { b } else { a }
+}
+
 /// Puts other numbers in the place of those there are.
 fn refill<T>(column: &mut Vec<T>, with: impl Iterator<Item = T>) {
     column.clear();
@@ -118,7 +174,10 @@ fn refill<T>(column: &mut Vec<T>, with: impl Iterator<Item = T>) {
 
 /// How far away a point counts that counts nearer than it is, metres.
 fn drawn_m(distance_m: f64, nearer_m: f64) -> f64 {
-    (distance_m - nearer_m).max(distance_m.min(NEAREST_M))
+    // Written so that one instruction each does: what is no number gives the other one.
+    let least_m = if distance_m < NEAREST_M { distance_m } else { NEAREST_M };
+    let left_m = distance_m - nearer_m;
+    if left_m > least_m { left_m } else { least_m }
 }
 
 /// A point `offset_m` and `distance_m` from `about_m`, once drawn to `drawn_m` from there, metres.
@@ -191,6 +250,28 @@ mod tests {
         for (x, y) in [(f64::NAN, 1.0), (1.0, f64::NAN), (f64::INFINITY, 1.0), (f64::MAX, f64::MAX)]
         {
             assert_eq!(direction(x, y), NOWHERE);
+        }
+    }
+
+    /// The nearest counts, drawn nearer by nothing here; what is no number is nowhere and does not.
+    #[test]
+    fn the_least_is_that_of_the_nearest() {
+        let least_m = |points_m: &[[f64; 2]]| {
+            let mut sightings = Sightings::new();
+            sightings.take(&Points::at(points_m), [1.0, 0.0], |_| FiringDoubt::NONE);
+            sightings.least_m()
+        };
+        assert_eq!(least_m(&[]), f64::INFINITY);
+        let ring: Vec<[f64; 2]> = (0..21).map(|i| [1.0, 5.0 + f64::from(i)]).collect();
+        for nearest in 0..ring.len() {
+            let mut points_m = ring.clone();
+            points_m[nearest] = [1.0, -0.75];
+            assert_eq!(least_m(&points_m), 0.75, "{nearest}");
+            points_m[(nearest + 7) % ring.len()] = [f64::NAN, 0.0];
+            assert_eq!(least_m(&points_m), 0.75, "{nearest}");
+            points_m[nearest] = [f64::INFINITY, 0.0];
+            let left = points_m.iter().map(|[_, y_m]| *y_m).filter(|y_m| *y_m > 0.0);
+            assert_eq!(least_m(&points_m), left.fold(f64::INFINITY, f64::min), "{nearest}");
         }
     }
 
