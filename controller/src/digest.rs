@@ -52,8 +52,15 @@ impl Digest {
 
     /// Takes in numbers.
     pub(crate) fn numbers(&mut self, numbers: &[f64]) {
-        for number in numbers {
-            self.number(*number);
+        // Their sum is a number only if each of them is: as good as always.
+        if numbers.iter().sum::<f64>().is_nan() {
+            for number in numbers {
+                self.number(*number);
+            }
+        } else {
+            for number in numbers {
+                self.word(number.to_bits());
+            }
         }
     }
 
@@ -130,6 +137,19 @@ mod tests {
     fn every_nan_is_the_same() {
         assert_eq!(of(&[f64::NAN]), of(&[-f64::NAN]));
         assert_eq!(of(&[f64::NAN]), of(&[f64::from_bits(0x7ff8_0000_0000_0001)]));
+    }
+
+    /// One NaN among numbers, and infinities whose sum is none, count as they do alone.
+    #[test]
+    fn numbers_count_as_one_by_one() {
+        let some = [1.0, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.0, f64::MAX, f64::MAX];
+        for end in 0..=some.len() {
+            for begin in 0..=end {
+                let mut one_by_one = Digest::default();
+                some[begin..end].iter().for_each(|number| one_by_one.number(*number));
+                assert_eq!(of(&some[begin..end]), one_by_one.value(), "{begin} {end}");
+            }
+        }
     }
 
     #[test]
