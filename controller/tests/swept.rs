@@ -2,7 +2,7 @@
 //! for bit; whatever is asked for, a body that starts clear stays clear in a world that stands still,
 //! and the stop is always a way out; a body that starts too near comes no nearer.
 
-use controller::safety::{Drive, Moving, Near, Sweep};
+use controller::safety::{Drive, Keep, Moving, Near, Sweep};
 use proptest::prelude::*;
 use schemas::{Disc, Footprint, HalfPlane, Obstacle, Plant, Pose, World};
 
@@ -309,4 +309,32 @@ fn motions_are_foreseen() {
     );
     robot.advance(&plant, drive, 1.0);
     assert!((robot.pose.x_m - 0.49 / 4.0).abs() < 1e-12 && robot.speeds[0] == 0.0);
+}
+
+proptest! {
+    /// What is near is passed over only where something else is nearer: all together leave the room that the one
+    /// leaves that leaves least, by itself.
+    #[test]
+    fn things_leave_the_room_that_each_leaves(
+        things in prop::collection::vec(
+            ([-2.0..2.0_f64, -2.0..2.0_f64], 0.0..0.3_f64, prop_oneof![Just(0.0), Just(0.4)]),
+            1..30,
+        ),
+        (x_m, y_m, theta_rad) in (-0.5..0.5_f64, -0.5..0.5_f64, -3.0..3.0_f64),
+        (later_s, v_mps) in (0.0..1.0_f64, prop_oneof![Just(0.0), -0.7..0.7_f64]),
+        circle in any::<bool>(),
+    ) {
+        let keep = Keep { guard_m: GUARD_M, later_s, doubt_share: 0.2, v_mps };
+        let near = |things: &[([f64; 2], f64, f64)]| {
+            let mut near = Near::new(BODY, &[], things.len());
+            near.clear(&Pose::default(), (5.0, 1.0), circle.then_some(GUARD_M));
+            for (centre_m, radius_m, speed_mps) in things {
+                near.disc(Disc { centre_m: *centre_m, radius_m: *radius_m }, *speed_mps, *radius_m);
+            }
+            near
+        };
+        let pose = Pose { x_m, y_m, theta_rad };
+        let alone = things.iter().map(|thing| near(&[*thing]).slack_m(&pose, &keep));
+        prop_assert_eq!(near(&things).slack_m(&pose, &keep), alone.fold(f64::INFINITY, f64::min));
+    }
 }

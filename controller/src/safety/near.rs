@@ -62,8 +62,8 @@ pub struct Near {
     /// Whether the turning circle is to stay clear of what it is clear of.
     keep_circle_m: Option<f64>,
     known: [bool; 2],
-    /// Whether something may move.
-    moving: bool,
+    /// How fast anything may move, m/s.
+    fastest_mps: f64,
     /// Whether something is within the turning circle.
     crowded: bool,
     /// Distance of the turning circle to the nearest thing, metres.
@@ -98,7 +98,7 @@ impl Near {
             horizon_s: 0.0,
             keep_circle_m: None,
             known: [true; 2],
-            moving: false,
+            fastest_mps: 0.0,
             crowded: false,
             circle_clear_m: f64::INFINITY,
         }
@@ -122,7 +122,7 @@ impl Near {
         self.horizon_s = horizon_s;
         self.keep_circle_m = keep_circle_m;
         self.known = [true; 2];
-        self.moving = false;
+        self.fastest_mps = 0.0;
         self.crowded = false;
         self.circle_clear_m = f64::INFINITY;
     }
@@ -178,7 +178,7 @@ impl Near {
         let mut near =
             NearThing { thing, outline: Outline::TurningCircle, start_m: 0.0, speed_mps, doubt_m };
         near.start_m = self.distance_m(&near, &self.body, &self.pose);
-        self.moving |= speed_mps != 0.0;
+        self.fastest_mps = self.fastest_mps.max(speed_mps);
         self.circle_clear_m = self.circle_clear_m.min(near.start_m + doubt_m);
         self.crowded |= near.start_m + doubt_m < 0.0;
         if self.keep_circle_m.is_some_and(|keep_m| near.start_m + doubt_m >= keep_m) {
@@ -238,13 +238,18 @@ impl Near {
         }
         let body = Body::new(&self.footprint, pose);
         // Only what moves is met on the way.
-        let ways = if self.moving {
+        let ways = if self.fastest_mps > 0.0 {
             &[Way::new(&body, pose, keep), Way::new(&self.body, &self.pose, keep)][..]
         } else {
             &[]
         };
         let mut least_m = f64::INFINITY;
+        // Nothing has to be left more room than this.
+        let most_m = keep.guard_m + self.fastest_mps * keep.later_s;
         for near in &self.things {
+            if self.is_beyond(near, pose, most_m + least_m) {
+                continue;
+            }
             // What may come against the robot's way has to be left room for, however near it is already;
             // what the robot leaves behind, or stands before, it need only not come nearer to.
             let required_m = if ways.iter().any(|way| way.meets(near, keep.later_s)) {
