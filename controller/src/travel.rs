@@ -93,6 +93,10 @@ impl Travel {
             }
             DMode::Sweep => {
                 let turn_rad = self.omega_radps * self.sweep_s;
+                if turn_rad == 0.0 {
+                    // All rays are one.
+                    return ray_m(along_rad + turn_rad);
+                }
                 (0..SWEEP_RAYS)
                     .map(|i| along_rad + turn_rad * f64::from(i) / f64::from(SWEEP_RAYS - 1))
                     .map(ray_m)
@@ -156,6 +160,20 @@ mod tests {
         assert_eq!(asked[0], 0.0);
         assert!((asked[8] - 0.6).abs() < 1e-12 && (asked[1] - 0.075).abs() < 1e-12);
         assert!((least - 4.4).abs() < 1e-12);
+    }
+
+    /// Straight on all nine are one, and it is asked once.
+    #[test]
+    fn no_turn_is_swept_by_one_ray() {
+        for (v_mps, omega_radps, along_rad) in [(0.3, 0.0, 0.0), (0.3, -0.0, 0.0), (-0.3, 0.0, PI)]
+        {
+            let asked = std::cell::RefCell::new(Vec::new());
+            let d_m = travel(v_mps, omega_radps, [0.0; 2]).distance_m(DMode::Sweep, |angle_rad| {
+                asked.borrow_mut().push(angle_rad);
+                2.0
+            });
+            assert_eq!((d_m, asked.into_inner()), (2.0, vec![along_rad]));
+        }
     }
 
     /// One unknown direction among those that count makes D unknown.
