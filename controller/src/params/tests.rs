@@ -230,7 +230,7 @@ proptest! {
 #[test]
 fn what_the_sets_compare_is_not_what_is_measured() {
     let tandem = Spec::resolve("tandem-kinematic", &[]).expect("listed").params;
-    let guarded = Params { margin: Precaution::Always, ..tandem.clone() };
+    let guarded = Params { margin: Precaution::Always, ..tandem };
     let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
     close(tandem.effective_m(0.5, -0.3, SensorSuite::Exact), 0.5);
     close(tandem.effective_m(0.5, -0.3, SensorSuite::Sonar), 0.58);
