@@ -144,7 +144,7 @@ impl Faces {
             *has_votes = (firing.range_m <= REACH_M) & (now.since(firing.fired) <= LIFE);
         }
         let [x_m, y_m] = points.places_m();
-        // Who votes first, without branches; few do not.
+        // Who votes first, without branches: nobody can tell beforehand.
         let mut who = [0_u16; Points::CAPACITY];
         let mut count = 0;
         for (index, ((firing, kind), (x_m, y_m))) in
