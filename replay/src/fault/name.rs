@@ -4,7 +4,7 @@ use std::fmt::{self, Display, Formatter};
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
-use schemas::{SONARS, Sample, Time};
+use schemas::{SONAR_REACH_M, SONARS, Sample, Time};
 
 /// One fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,12 +37,12 @@ pub enum Fault {
 pub const FAULTS: &[(&str, &str)] = &[
     ("sonar-dropout=SHARE", "sonar readings that hear nothing"),
     ("cross-talk=SHARE", "sonar readings that are another sonar's echo, at a random shorter range"),
-    ("sonar-bias=M", "error of every sonar range, metres"),
+    ("sonar-bias=M", "error of every sonar range, metres, at most 5"),
     ("sonar-dead=ID", "a sonar that hears nothing, 0 to 15"),
-    ("gyro-bias=RADPS", "error of the turn rate about z, rad/s"),
+    ("gyro-bias=RADPS", "error of the turn rate about z, rad/s, at most 10"),
     ("encoder-slip=SHARE", "how much further than the robot the left wheels go"),
-    ("latency=S", "how much later sensors arrive, seconds"),
-    ("jitter=S", "how much later at most, each reading by its own, seconds"),
+    ("latency=S", "how much later sensors arrive, seconds, at most 10"),
+    ("jitter=S", "how much later at most, each reading by its own, seconds, at most 10"),
     ("controller-hang=S", "a controller that does not answer from then on, seconds from the start"),
     ("controller-panic=S", "a controller that panics then, seconds from the start"),
     ("joystick-freeze=FROM-TO", "a joystick that is stuck, seconds from the start"),
@@ -50,10 +50,18 @@ pub const FAULTS: &[(&str, &str)] = &[
 
 /// What a value may be.
 const SHARE: &str = "a share from 0 to 1";
-const SECONDS: &str = "seconds, 0 or more";
-const NUMBER: &str = "a finite number";
+const LATE: &str = "seconds, from 0 to 10";
+const INSTANT: &str = "seconds from the start, from 0 to 86400 (a day)";
+const RANGE: &str = "metres, from -5 to 5 (the reach of a sonar)";
+const TURN_RATE: &str = "rad/s, from -10 to 10";
 const SONAR: &str = "the number of a sonar, from 0 to 15";
-const FROM_TO: &str = "FROM-TO, both seconds, 0 or more, FROM before TO";
+const FROM_TO: &str = "FROM-TO, both seconds, from 0 to 86400 (a day), FROM before TO";
+
+/// The bounds that they tell. Beyond them a value is a slip of the finger: no sensor is so late and still
+/// of use, no gyro of such a robot reads so much, and no session is so long.
+const LATEST_S: f64 = 10.0;
+const LAST_S: f64 = 86_400.0;
+const FASTEST_RADPS: f64 = 10.0;
 
 /// A fault that does not do.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -96,24 +104,27 @@ impl FromStr for Fault {
             value: value.to_owned(),
             allowed,
         };
-        let number = || parse(value, f64::NEG_INFINITY..=f64::INFINITY).ok_or_else(|| bad(NUMBER));
-        let seconds = || parse(value, 0.0..=f64::INFINITY).ok_or_else(|| bad(SECONDS));
+        let range = || parse(value, -SONAR_REACH_M..=SONAR_REACH_M).ok_or_else(|| bad(RANGE));
+        let turn_rate =
+            || parse(value, -FASTEST_RADPS..=FASTEST_RADPS).ok_or_else(|| bad(TURN_RATE));
+        let late = || parse(value, 0.0..=LATEST_S).ok_or_else(|| bad(LATE));
+        let instant = || parse(value, 0.0..=LAST_S).ok_or_else(|| bad(INSTANT));
         let share = || parse(value, 0.0..=1.0).ok_or_else(|| bad(SHARE));
         Ok(match name {
             "sonar-dropout" => Fault::SonarDropout(share()?),
             "cross-talk" => Fault::CrossTalk(share()?),
-            "sonar-bias" => Fault::SonarBias(number()?),
+            "sonar-bias" => Fault::SonarBias(range()?),
             "sonar-dead" => {
                 let id = value.parse().ok().filter(|id| usize::from(*id) < SONARS.len());
                 Fault::SonarDead(id.ok_or_else(|| bad(SONAR))?)
             }
-            "gyro-bias" => Fault::GyroBias(number()?),
+            "gyro-bias" => Fault::GyroBias(turn_rate()?),
             "encoder-slip" => Fault::EncoderSlip(share()?),
-            "latency" => Fault::Latency(seconds()?),
-            "jitter" => Fault::Jitter(seconds()?),
+            "latency" => Fault::Latency(late()?),
+            "jitter" => Fault::Jitter(late()?),
             "joystick-freeze" => {
                 let span = value.split_once('-').and_then(|(from, to)| {
-                    Some((parse(from, 0.0..=f64::INFINITY)?, parse(to, 0.0..=f64::INFINITY)?))
+                    Some((parse(from, 0.0..=LAST_S)?, parse(to, 0.0..=LAST_S)?))
                 });
                 let (from_s, to_s) = span.ok_or_else(|| bad(FROM_TO))?;
                 if from_s >= to_s {
@@ -121,8 +132,8 @@ impl FromStr for Fault {
                 }
                 Fault::JoystickFreeze(from_s, to_s)
             }
-            "controller-hang" => Fault::ControllerHang(seconds()?),
-            "controller-panic" => Fault::ControllerPanic(seconds()?),
+            "controller-hang" => Fault::ControllerHang(instant()?),
+            "controller-panic" => Fault::ControllerPanic(instant()?),
             _ => return Err(unknown()),
         })
     }

@@ -150,18 +150,30 @@ fn bad_faults_are_refused_with_what_there_is() {
         ("sonar-dropout=1.5", "from 0 to 1"),
         ("cross-talk=-0.1", "from 0 to 1"),
         ("encoder-slip=half", "from 0 to 1"),
-        ("sonar-bias=inf", "a finite number"),
-        ("gyro-bias=nan", "a finite number"),
-        ("latency=-1", "0 or more"),
-        ("jitter=nan", "0 or more"),
-        ("controller-hang=-1", "0 or more"),
+        ("sonar-bias=inf", "metres, from -5 to 5"),
+        ("sonar-bias=-5.01", "metres, from -5 to 5"),
+        ("gyro-bias=nan", "rad/s, from -10 to 10"),
+        ("gyro-bias=1e3", "rad/s, from -10 to 10"),
+        ("latency=-1", "seconds, from 0 to 10"),
+        ("latency=1e9", "seconds, from 0 to 10"),
+        ("jitter=nan", "seconds, from 0 to 10"),
+        ("jitter=10.1", "seconds, from 0 to 10"),
+        ("controller-hang=-1", "from 0 to 86400"),
+        ("controller-panic=1e6", "from 0 to 86400"),
         ("joystick-freeze=3", "FROM-TO"),
+        ("joystick-freeze=2-1e9", "from 0 to 86400"),
         ("joystick-freeze=-2-4", "FROM-TO"),
     ] {
         let error = bad.parse::<Fault>().expect_err(bad).to_string();
         let (name, _) = bad.split_once('=').expect("a name and a value");
         assert!(error.contains(bad) && error.contains(&format!("value of {name}")), "{error}");
         assert!(error.contains(allowed), "{error}");
+    }
+    // What stands at the border does.
+    for fine in
+        ["sonar-bias=-5", "gyro-bias=10", "latency=10", "jitter=0", "joystick-freeze=0-86400"]
+    {
+        assert_eq!(fine.parse::<Fault>().expect(fine).to_string(), fine);
     }
     for backwards in ["joystick-freeze=10-5", "joystick-freeze=5-5"] {
         let error = backwards.parse::<Fault>().expect_err(backwards).to_string();
