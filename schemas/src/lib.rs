@@ -44,8 +44,8 @@ pub use scenario::{
     Stroke, Task,
 };
 pub use step::{
-    EstimatorStatus, Field, FrameSource, LawBranch, Node, Reason, ReferenceSource, Region, Step,
-    Value,
+    EstimatorStatus, Field, FrameSource, Lacking, LawBranch, Node, Reason, ReferenceSource, Region,
+    Step, Value,
 };
 pub use time::{NS_PER_S, SIMULATION_EPOCH, Span, Stamped, Time};
 pub use timing::Timing;

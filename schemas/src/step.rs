@@ -6,11 +6,13 @@
 //! quantity causes the next.
 
 mod field;
+mod lacking;
 mod names;
 mod wire;
 
 use crate::{Pose, Time, proto};
 pub use field::{Field, Node, Value};
+pub use lacking::Lacking;
 pub use names::{EstimatorStatus, FrameSource, LawBranch, Reason, ReferenceSource, Region};
 pub(crate) use wire::canonical;
 use wire::{FieldType, Wire};

@@ -81,8 +81,6 @@ impl From<Option<Stamped<Event>>> for Next {
 struct Side {
     start: Time,
     queues: [VecDeque<Waiting>; 2],
-    /// By topic and row, whether any message has it.
-    has: [Vec<bool>; 2],
     end: Option<End>,
     /// Whether its law commands accelerations, from its first command.
     accelerates: Option<bool>,
@@ -93,24 +91,19 @@ impl Side {
         self.queues.iter().map(VecDeque::len).sum()
     }
 
-    /// Takes in an event; true for one that is compared.
-    fn push(&mut self, event: &Stamped<Event>) -> bool {
+    /// Takes in an event; the topic of one that is compared.
+    fn push(&mut self, event: &Stamped<Event>) -> Option<usize> {
         let (topic, stamp, cells) = match &event.value {
             Event::Step(step) => (STEP, step.stamp, step_cells(step)),
             Event::Command(command) => {
                 self.accelerates.get_or_insert(command.accel.is_some());
                 (COMMAND, command.stamp, command_cells(command))
             }
-            _ => return false,
+            _ => return None,
         };
         let key = i128::from(stamp.0) - i128::from(self.start.0);
-        let has = &mut self.has[topic];
-        has.resize(cells.len(), false);
-        for (has, cell) in has.iter_mut().zip(&cells) {
-            *has |= !cell.is_absent();
-        }
         self.queues[topic].push_back(Waiting { key, cells });
-        true
+        Some(topic)
     }
 }
 
@@ -222,15 +215,19 @@ impl Differ {
 
     /// Takes in the next event of the first run.
     pub fn a(&mut self, event: &Stamped<Event>) {
-        if self.sides[0].push(event) {
-            self.match_waiting();
-        }
+        self.hear(0, event);
     }
 
     /// Takes in the next event of the second run.
     pub fn b(&mut self, event: &Stamped<Event>) {
-        if self.sides[1].push(event) {
-            self.match_waiting();
+        self.hear(1, event);
+    }
+
+    fn hear(&mut self, side: usize, event: &Stamped<Event>) {
+        let Some(topic) = self.sides[side].push(event) else { return };
+        if let Some(message) = self.sides[side].queues[topic].back() {
+            let has = message.cells.iter().map(|cell| !cell.is_absent());
+            self.topics[topic].lacking.hear(side, has);
         }
     }
 
@@ -244,11 +241,9 @@ impl Differ {
         });
         self.match_waiting();
         let mut fields = Vec::new();
-        for (number, mut topic) in self.topics.into_iter().enumerate() {
-            let has = self.sides.each_ref().map(|side| side.has[number].as_slice());
-            let both_have = |row: usize| has.iter().all(|has| has.get(row).is_some_and(|has| *has));
+        for mut topic in self.topics {
             let lacking = std::mem::take(&mut topic.lacking);
-            self.compared.differing += lacking.settle(both_have, &mut topic.found, &mut self.first);
+            self.compared.differing += lacking.settle(&mut topic.found, &mut self.first);
             fields.extend(topic.only.into_iter().flatten());
             fields.extend(topic.found.into_iter().zip(topic.lags).filter_map(|(found, lag)| {
                 Some(FieldDifference { lag_steps: lag.steps(), ..found? })
