@@ -36,7 +36,7 @@ pub use comparison::{
 };
 pub use diff::{
     Base, Compared, Diff, Differ, FieldDifference, FirstCause, Next, Reading, Tolerance,
-    Tolerances, diff,
+    Tolerances, diff, unit_of_law,
 };
 pub use error::CompareError;
 pub use metrics::{

@@ -37,7 +37,7 @@ pub use hash::{Covered, OutputHash};
 pub use horizon::Horizon;
 pub use human::{Gains, Person, Reaction};
 pub use map::Map;
-pub use outcome::{Deviation, Outcome};
+pub use outcome::{Deviation, FirstDifference, Outcome};
 pub use plant::{AxisDoubt, Estimate, PlantClaim, PlantDoubt, PlantEstimate, Untold};
 pub use recorded::setup;
 pub use recording::Recording;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use schemas::log::LogError;
-use schemas::{Event, Field, Stamped, Step, Time, Value, wrap};
+use schemas::{Event, Field, Lacking, Stamped, Step, Time, Value, wrap};
 
 use crate::{Covered, Fault, Horizon, OutputHash, ReplayError, WarmUp};
 
@@ -14,8 +14,19 @@ pub struct Deviation {
     pub field: &'static str,
     /// Absolute difference in the field's unit; +∞ where only one of the two is a number, or has the field.
     pub amount: f64,
+    /// Unit of that; empty for a number without one.
+    pub unit: &'static str,
     /// When, seconds from the start of the session.
     pub t_s: f64,
+}
+
+/// The first recorded step whose replay says something else.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FirstDifference {
+    /// The recorded step and its replay.
+    pub steps: [Step; 2],
+    /// What differs is that one of the two lost a field, which both have elsewhere.
+    pub lost: bool,
 }
 
 /// What came of a replay.
@@ -33,6 +44,8 @@ pub struct Outcome {
     pub identical_to_recorded: bool,
     /// The largest difference from the recorded steps; `None` where no number differs.
     pub max_deviation: Option<Deviation>,
+    /// Where the two part; `None` where no step says anything else. The hidden state says nothing.
+    pub first_difference: Option<Box<FirstDifference>>,
     /// Simulated or replayed time, seconds.
     pub duration_s: f64,
     /// The last thing that was replayed, seconds from the start of the session.
@@ -62,49 +75,20 @@ pub(crate) struct Tally {
     engaged_steps: u64,
     replayed: OutputHash,
     recorded: OutputHash,
-    lacking: Lacking,
+    /// Of a field that one of both lacks: when first, seconds from the start, and in which step.
+    lacking: Lacking<(f64, Box<FirstDifference>)>,
+    /// What was replayed with nothing left out of it, from where something is that the recording lacks.
+    whole: Option<OutputHash>,
+    /// The first step that differs in what both say, and when that is, seconds from the start.
+    first_difference: Option<(f64, Box<FirstDifference>)>,
     /// Index and time of the first recorded step.
     begins: Option<(u64, f64)>,
     deviation: Option<Deviation>,
     pub(crate) damage: Option<Arc<LogError>>,
 }
 
-/// The fields that one of both lacks. Whether that is from before a field, or of another kind, or lost it in
-/// some step, shows at the end only: until then both answers are kept.
-struct Lacking {
-    /// By field: whether a recorded step has it, and whether a replayed one does.
-    had: [[bool; 2]; Step::FIELDS.len()],
-    /// By field: when the one had it and the other did not, first, seconds from the start.
-    apart_s: [Option<f64>; Step::FIELDS.len()],
-    /// What was replayed with nothing left out of it, from where something is.
-    whole: Option<OutputHash>,
-}
-
 const RECORDED: usize = 0;
 const REPLAYED: usize = 1;
-
-impl Lacking {
-    fn new() -> Lacking {
-        let fields = [[false; 2]; Step::FIELDS.len()];
-        Lacking { had: fields, apart_s: [None; Step::FIELDS.len()], whole: None }
-    }
-
-    fn hear(&mut self, step: &Step, whose: usize) {
-        for (had, value) in self.had.iter_mut().zip(step.values()) {
-            had[whose] |= value != Value::Absent;
-        }
-    }
-
-    /// The first step in which one lacks what both otherwise have, and what.
-    fn lost(&self) -> Option<(f64, &'static str)> {
-        let fields = Step::FIELDS.iter().zip(self.had).zip(self.apart_s);
-        fields
-            .filter_map(|((field, had), apart_s)| {
-                Some((apart_s.filter(|_| had == [true; 2])?, field.name))
-            })
-            .min_by(|a, b| a.0.total_cmp(&b.0))
-    }
-}
 
 impl Tally {
     pub(crate) fn new(covered: Covered, start: Time) -> Tally {
@@ -116,7 +100,9 @@ impl Tally {
             engaged_steps: 0,
             replayed: OutputHash::new(covered, start),
             recorded: OutputHash::new(covered, start),
-            lacking: Lacking::new(),
+            lacking: Lacking::default(),
+            whole: None,
+            first_difference: None,
             begins: None,
             deviation: None,
             damage: None,
@@ -132,7 +118,7 @@ impl Tally {
         let Event::Step(step) = &event.value else { return self.hash(event, event) };
         self.steps += 1;
         self.engaged_steps += u64::from(step.k == 0.0);
-        self.lacking.hear(step, REPLAYED);
+        self.lacking.hear(REPLAYED, has(step));
         match recorded.filter(|recorded| recorded.stamp == step.stamp) {
             None => self.hash(event, event),
             Some(recorded) => {
@@ -146,7 +132,7 @@ impl Tally {
 
     /// Adds what was replayed to its hashes: as far as the recording has it, and whole.
     fn hash(&mut self, alike: &Stamped<Event>, whole: &Stamped<Event>) {
-        if let Some(hash) = &mut self.lacking.whole {
+        if let Some(hash) = &mut self.whole {
             hash.update(whole);
         }
         self.replayed.update(alike);
@@ -154,7 +140,7 @@ impl Tally {
 
     pub(crate) fn recorded(&mut self, event: &Stamped<Event>) {
         if let Event::Step(step) = &event.value {
-            self.lacking.hear(step, RECORDED);
+            self.lacking.hear(RECORDED, has(step));
             let t_s = step.stamp.seconds_since(self.start);
             self.begins.get_or_insert((step.step_index, t_s));
         }
@@ -163,19 +149,24 @@ impl Tally {
 
     fn compare_steps(&mut self, replayed: &Step, recorded: &Step) {
         let t_s = replayed.stamp.seconds_since(self.start);
+        let steps =
+            |lost| Box::new(FirstDifference { steps: [recorded.clone(), replayed.clone()], lost });
         let values = replayed.values().into_iter().zip(recorded.values());
         for (number, (field, (a, b))) in Step::FIELDS.iter().zip(values).enumerate() {
             if (a == Value::Absent) != (b == Value::Absent) {
-                self.lacking.apart_s[number].get_or_insert(t_s);
+                self.lacking.keep(number, || (t_s, steps(true)));
                 if b == Value::Absent {
                     // Up to here nothing has been left out.
-                    self.lacking.whole.get_or_insert_with(|| self.replayed.clone());
+                    self.whole.get_or_insert_with(|| self.replayed.clone());
                 }
                 continue;
             }
-            let amount = difference(field, &a, &b);
+            let (amount, unit) = difference(field, &a, &b);
             if amount > self.deviation.as_ref().map_or(0.0, |largest| largest.amount) {
-                self.deviation = Some(Deviation { field: field.name, amount, t_s });
+                self.deviation = Some(Deviation { field: field.name, amount, unit, t_s });
+            }
+            if self.first_difference.is_none() && (amount > 0.0 || says_other(field, &a, &b)) {
+                self.first_difference = Some((t_s, steps(false)));
             }
         }
     }
@@ -184,14 +175,19 @@ impl Tally {
         if self.steps == 0 {
             return Err(self.damage.map_or(ReplayError::NoStep, ReplayError::Log));
         }
-        if let Some((t_s, field)) = self.lacking.lost() {
+        let lost = self.lacking.lost().into_iter();
+        if let Some((number, (t_s, steps))) = lost.min_by(|(_, a), (_, b)| a.0.total_cmp(&b.0)) {
             // Both have the field: that a step of one has not is a difference like any other.
             let amount = f64::INFINITY;
             let known = self.deviation.as_ref().filter(|known| known.amount == amount);
             if known.is_none_or(|known| t_s < known.t_s) {
-                self.deviation = Some(Deviation { field, amount, t_s });
+                let Field { name: field, unit, .. } = Step::FIELDS[number];
+                self.deviation = Some(Deviation { field, amount, unit, t_s });
             }
-            if let Some(whole) = self.lacking.whole.take() {
+            if self.first_difference.as_ref().is_none_or(|(first_s, _)| t_s < *first_s) {
+                self.first_difference = Some((t_s, steps));
+            }
+            if let Some(whole) = self.whole.take() {
                 self.replayed = whole;
             }
         }
@@ -204,6 +200,7 @@ impl Tally {
             output_hash,
             recorded_hash,
             max_deviation: self.deviation,
+            first_difference: self.first_difference.map(|(_, first)| first),
             duration_s: self.last.seconds_since(self.first.unwrap_or(self.start)),
             end_s: self.last.seconds_since(self.start),
             unmet_faults: Vec::new(),
@@ -216,10 +213,21 @@ impl Tally {
     }
 }
 
-/// How far two values of a field are apart, directions the short way round. NaN equals NaN; a number and a
-/// NaN are infinitely far apart. Names, flags and hashes have no distance: they are left to the hash and to
-/// `tandem diff`.
-fn difference(field: &Field, a: &Value, b: &Value) -> f64 {
+/// Which fields a step has.
+fn has(step: &Step) -> impl Iterator<Item = bool> {
+    step.values().into_iter().map(|value| value != Value::Absent)
+}
+
+/// Whether two values that have no distance differ, other than in the hidden state.
+fn says_other(field: &Field, a: &Value, b: &Value) -> bool {
+    let number = matches!(a, Value::Number(_) | Value::Pair(_) | Value::Pose(_));
+    !number && field.name != "state_hash" && a != b
+}
+
+/// How far two values of a field are apart, directions the short way round, and in which unit: of several
+/// numbers those furthest apart. NaN equals NaN; a number and a NaN are infinitely far apart. Names, flags and
+/// hashes have no distance: they are left to the hash and to `tandem diff`.
+fn difference(field: &Field, a: &Value, b: &Value) -> (f64, &'static str) {
     let apart = |off: f64, direction: bool| if direction { wrap(off).abs() } else { off.abs() };
     let of = |a: f64, b: f64, direction: bool| match (a.is_nan(), b.is_nan()) {
         _ if a.to_bits() == b.to_bits() => 0.0,
@@ -228,14 +236,28 @@ fn difference(field: &Field, a: &Value, b: &Value) -> f64 {
         _ => f64::INFINITY,
     };
     let number = |a: f64, b: f64| of(a, b, field.is_direction());
-    match (a, b) {
-        (Value::Number(a), Value::Number(b)) => number(*a, *b),
-        (Value::Pair(a), Value::Pair(b)) => number(a[0], b[0]).max(number(a[1], b[1])),
-        (Value::Pose(a), Value::Pose(b)) => {
-            number(a.x_m, b.x_m).max(number(a.y_m, b.y_m)).max(of(a.theta_rad, b.theta_rad, true))
+    let mut most = (0.0, field.unit);
+    let mut units = field.unit.split(", ");
+    let mut part = |amount: f64| {
+        let unit = units.next().unwrap_or(field.unit);
+        if amount > most.0 {
+            most = (amount, unit);
         }
-        _ => 0.0,
+    };
+    match (a, b) {
+        (Value::Number(a), Value::Number(b)) => return (number(*a, *b), field.unit),
+        (Value::Pair(a), Value::Pair(b)) => {
+            part(number(a[0], b[0]));
+            part(number(a[1], b[1]));
+        }
+        (Value::Pose(a), Value::Pose(b)) => {
+            part(number(a.x_m, b.x_m));
+            part(number(a.y_m, b.y_m));
+            part(of(a.theta_rad, b.theta_rad, true));
+        }
+        _ => {}
     }
+    most
 }
 
 #[cfg(test)]
@@ -249,7 +271,7 @@ mod tests {
     fn directions_differ_the_short_way_round() {
         let apart = |name: &str, a: Value, b: Value| {
             let field = Step::FIELDS.iter().find(|field| field.name == name).expect("is there");
-            difference(field, &a, &b)
+            difference(field, &a, &b).0
         };
         let small = core::f64::consts::TAU - 6.2;
         let (a, b) = (Value::Number(3.1), Value::Number(-3.1));

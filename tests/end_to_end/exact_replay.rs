@@ -66,6 +66,17 @@ fn another_controller_is_not_identical() {
     let run = &run.json()["runs"][0];
     assert_eq!(run["identical_to_recorded"], false);
     assert!(run["max_deviation"].as_f64().unwrap() > 0.0);
+    // What differs first is what a diff of the two finds, in the same words.
+    let replay = "replay --controller paper-kinematic log.mcap";
+    here.tandem(&format!("{replay} -o both.mcap")).succeeds();
+    let cause = &here.tandem("diff both.mcap --format json").exits(1).json()["first_cause"];
+    assert_eq!(&run["first_cause"], cause);
+    let text = here.tandem(replay).succeeds().stdout;
+    assert!(text.contains(cause["reason"].as_str().unwrap()), "{text}");
+    let unit = run["max_deviation_unit"].as_str().unwrap();
+    let field = run["max_deviation_field"].as_str().unwrap();
+    assert!(!unit.is_empty() && text.contains(&format!("most       {field}, by ")), "{text}");
+    assert!(text.contains(&format!(" {unit} at ")), "{text}");
 }
 
 #[test]

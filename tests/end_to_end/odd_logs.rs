@@ -96,6 +96,10 @@ fn a_field_that_is_not_there() {
     assert_eq!(lost["identical_to_recorded"], false);
     assert_eq!(lost["max_deviation_field"], "safety_clear_m");
     assert_eq!(lost["max_deviation_at_s"], 4.0);
+    assert_eq!(
+        (&lost["first_cause"]["a"], &lost["first_cause"]["t_s"]),
+        (&"absent".into(), &4.0.into())
+    );
     let text = here.tandem("replay lost.mcap").exits(1).stdout;
     assert!(text.contains("safety_clear_m is known to one of both only at 4.00 s"), "{text}");
     let diff = here.tandem("diff --format json whole.mcap lost.mcap").exits(1).json();

@@ -11,7 +11,7 @@ use std::fmt::Write;
 use schemas::Node;
 use serde::{Deserialize, Serialize};
 
-use super::field::Row;
+use super::field::{Row, unit_of_law};
 use super::reading::Reading;
 use crate::report::{number, told_apart, with_unit};
 
@@ -32,6 +32,15 @@ pub struct FirstCause {
     pub b: Reading,
     /// The same in a sentence.
     pub reason: String,
+}
+
+impl FirstCause {
+    /// Tells it in the unit of a law that both runs have, one of velocities or of accelerations.
+    pub fn take_law(&mut self, accelerates: bool) {
+        let unit = unit_of_law(&self.unit, accelerates).to_owned();
+        self.reason = self.reason.replace(&self.unit, &unit);
+        self.unit = unit;
+    }
 }
 
 /// A difference that may turn out to be the first.

@@ -6,7 +6,7 @@ use schemas::{Event, Node, Stamped, Time};
 use serde::{Deserialize, Serialize};
 
 use super::cause::{Candidate, First, FirstCause, sentence};
-use super::field::{FieldDifference, Row, command_rows, step_rows};
+use super::field::{FieldDifference, Row, command_rows, step_rows, unit_of_law};
 use super::lacking::Lacking;
 use super::lag::Lag;
 use super::reading::{Cell, Reading, command_cells, step_cells};
@@ -166,17 +166,6 @@ impl std::fmt::Debug for Differ {
     }
 }
 
-/// Of a unit that depends on the law, `m/s or m/s²`, the one for velocities or for accelerations; any
-/// other unit as it is.
-fn of_law(unit: &str, accelerates: bool) -> String {
-    match unit.split_once(" or ") {
-        None => unit.to_owned(),
-        Some((velocity, acceleration)) => {
-            (if accelerates { acceleration } else { velocity }).to_owned()
-        }
-    }
-}
-
 fn seconds(key: i128) -> f64 {
     key as f64 / schemas::NS_PER_S as f64
 }
@@ -229,6 +218,7 @@ impl Differ {
             let has = message.cells.iter().map(|cell| !cell.is_absent());
             self.topics[topic].lacking.hear(side, has);
         }
+        self.match_waiting();
     }
 
     /// Ends both runs.
@@ -259,12 +249,10 @@ impl Differ {
         {
             // Which of the two units is known now.
             for field in &mut fields {
-                field.unit = of_law(&field.unit, a);
+                field.unit = unit_of_law(&field.unit, a).to_owned();
             }
             if let Some(cause) = &mut first_cause {
-                let unit = of_law(&cause.unit, a);
-                cause.reason = cause.reason.replace(&cause.unit, &unit);
-                cause.unit = unit;
+                cause.take_law(a);
             }
         }
         Ok(Diff {

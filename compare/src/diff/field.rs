@@ -48,6 +48,21 @@ pub(super) fn apart(direction: bool, a: f64, b: f64) -> f64 {
     libm::fabs(if direction && off.is_finite() { wrap(off) } else { off })
 }
 
+/// Of a unit that depends on the law, `m/s or m/s²`, the one for velocities or for accelerations; any
+/// other unit as it is.
+pub fn unit_of_law(unit: &str, accelerates: bool) -> &str {
+    match unit.split_once(" or ") {
+        None => unit,
+        Some((velocity, acceleration)) => {
+            if accelerates {
+                acceleration
+            } else {
+                velocity
+            }
+        }
+    }
+}
+
 /// The rows of a step: its index, then every field's components in causal order.
 pub(super) fn step_rows() -> Vec<Row> {
     // The values of any step tell which fields have several components.

@@ -23,6 +23,6 @@ mod tests;
 
 pub use cause::FirstCause;
 pub use differ::{Compared, Diff, Differ, Next, diff};
-pub use field::FieldDifference;
+pub use field::{FieldDifference, unit_of_law};
 pub use reading::Reading;
 pub use tolerance::{Base, Tolerance, Tolerances};

@@ -1,6 +1,7 @@
 //! `tandem replay`: logs through a controller again.
 
 mod destination;
+mod first;
 mod ladder;
 mod options;
 mod result;
@@ -14,10 +15,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use ::compare::{CATALOGUE, Meter};
+use ::compare::{CATALOGUE, Meter, unit_of_law};
 use anyhow::{Context as _, Result, bail, ensure};
 use clap::Args;
+use controller::Law;
 pub use destination::replay_header;
+use first::first_cause;
 use ladder::Ladder;
 use options::seconds;
 pub use options::{How, HumanName, ModeName, PlantName, patience};
@@ -421,8 +424,21 @@ impl Replay {
         };
         let [until_horizon, whole] = [until_horizon.or_else(|| whole.clone()), whole]
             .map(|meter| meter.and_then(|meter| meter.finish().ok()));
-        let run = Run::of(log, mode, &controller, outcome);
+        let first = outcome.first_difference.as_deref();
+        let mut first_cause = first.and_then(|first| first_cause(first, header.run.start));
+        let mut run = Run::of(log, mode, &controller, outcome);
+        let accelerates = |spec: &controller::Spec| spec.law == Law::Dynamic;
+        let recorded = ControllerChoice::Recorded.for_log(recorded_header).ok();
+        if recorded.is_some_and(|recorded| accelerates(&recorded) == accelerates(spec)) {
+            // Which of two units is known.
+            let unit = &mut run.max_deviation_unit;
+            *unit = unit.map(|unit| unit_of_law(unit, accelerates(spec)));
+            if let Some(cause) = &mut first_cause {
+                cause.take_law(accelerates(spec));
+            }
+        }
         Ok(Run {
+            first_cause,
             output: written.map(|path| path.display().to_string()),
             until_horizon: until_horizon.map(|measured| {
                 CATALOGUE.iter().map(|m| (m.name, measured.metrics.get(m.name))).collect()

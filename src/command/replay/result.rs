@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 
-use compare::{CATALOGUE, Measured};
+use compare::report::with_unit;
+use compare::{CATALOGUE, FirstCause, Measured};
 use replay::{AxisDoubt, Estimate, Mode, Outcome, PlantDoubt, PlantEstimate, WarmUp};
 use serde::Serialize;
 
@@ -27,7 +28,10 @@ pub(super) struct Run {
     pub(super) identical_to_recorded: bool,
     pub(super) max_deviation: Option<f64>,
     pub(super) max_deviation_field: Option<&'static str>,
+    pub(super) max_deviation_unit: Option<&'static str>,
     pub(super) max_deviation_at_s: Option<f64>,
+    /// What differs first between recording, A, and replay, B.
+    pub(super) first_cause: Option<FirstCause>,
     /// Until when the recorded person is to be believed; the whole replay where nothing parted.
     pub(super) horizon_s: Option<f64>,
     /// When each criterion was first crossed.
@@ -220,7 +224,9 @@ impl Run {
             identical_to_recorded: false,
             max_deviation: None,
             max_deviation_field: None,
+            max_deviation_unit: None,
             max_deviation_at_s: None,
+            first_cause: None,
             horizon_s: None,
             horizon: None,
             furthest: None,
@@ -253,6 +259,7 @@ impl Run {
             engaged_steps: outcome.engaged_steps,
             max_deviation: deviation.map(|deviation| deviation.amount),
             max_deviation_field: deviation.map(|deviation| deviation.field),
+            max_deviation_unit: deviation.map(|deviation| deviation.unit),
             max_deviation_at_s: deviation.map(|deviation| deviation.t_s),
             output_hash: Some(outcome.output_hash),
             identical_to_recorded: outcome.identical_to_recorded,
@@ -320,23 +327,7 @@ impl Run {
             "  steps        {} ({} with the feedback law driving)",
             self.steps, self.engaged_steps
         );
-        let verdict = match (self.identical_to_recorded, self.max_deviation_field) {
-            (true, _) => "identical, bit for bit".to_owned(),
-            (false, Some(field)) if self.max_deviation.is_some_and(f64::is_infinite) => format!(
-                "differs; {field} is known to one of both only at {:.2} s (`tandem diff` has the rest)",
-                self.max_deviation_at_s.unwrap_or(f64::NAN)
-            ),
-            (false, Some(field)) => format!(
-                "differs; most in {field}, by {:.6} at {:.2} s",
-                self.max_deviation.unwrap_or(f64::NAN),
-                self.max_deviation_at_s.unwrap_or(f64::NAN)
-            ),
-            (false, None) if self.error.is_some() => {
-                "no difference as far as the log goes".to_owned()
-            }
-            (false, None) => "differs, though in no number of a step".to_owned(),
-        };
-        let _ = writeln!(text, "  recording    {verdict}");
+        text.push_str(&self.recording_text());
         if let Some(horizon) = &self.horizon {
             let _ = writeln!(text, "  horizon      {}", self.horizon_text(horizon));
         }
@@ -364,6 +355,35 @@ impl Run {
         }
         if let Some(output) = &self.output {
             let _ = writeln!(text, "  written to   {output} (A recorded, B replayed)");
+        }
+        text
+    }
+
+    /// How the replay stands to the recording.
+    fn recording_text(&self) -> String {
+        let verdict = match (self.identical_to_recorded, &self.first_cause) {
+            (true, _) => "identical, bit for bit",
+            (false, Some(_)) => "differs (A recorded, B replayed)",
+            (false, None) if self.error.is_some() => "no difference as far as the log goes",
+            (false, None) => "differs, though in nothing that a step says",
+        };
+        let mut text = format!("  recording    {verdict}\n");
+        if let Some(first) = &self.first_cause {
+            let _ = writeln!(text, "    first      {}", first.reason);
+        }
+        if let (Some(field), Some(amount)) = (self.max_deviation_field, self.max_deviation) {
+            let at_s = self.max_deviation_at_s.unwrap_or(f64::NAN);
+            let _ = if amount.is_infinite() {
+                let rest = "`tandem diff` has the rest";
+                writeln!(
+                    text,
+                    "    most       {field} is known to one of both only at {at_s:.2} s ({rest})"
+                )
+            } else {
+                let amount =
+                    with_unit(&format!("{amount:.6}"), self.max_deviation_unit.unwrap_or_default());
+                writeln!(text, "    most       {field}, by {amount} at {at_s:.2} s")
+            };
         }
         text
     }
