@@ -45,6 +45,7 @@ def tandem(*arguments: str) -> int:
 def record(folder: Path, controller: str, count: int) -> list[str]:
     """Sessions of one controller, a seed of their own each."""
     logs = []
+    (folder / controller).mkdir(parents=True, exist_ok=True)
     with ThreadPoolExecutor(2) as pool:
         runs = []
         for number in range(count):

@@ -5,7 +5,7 @@ use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context as _, Result, bail};
+use anyhow::{Context as _, Result, bail, ensure};
 use controller::Spec;
 use schemas::log::{LogError, LogReader};
 use schemas::{Event, FORMAT_VERSION, Header, RunInfo, Scenario, Span, Stamped, Time};
@@ -41,16 +41,29 @@ pub fn each_event(
     }
 }
 
-/// Refuses to write where something is, unless told to.
+/// Refuses to write where something is, unless told to, and where no folder is: it may be mistyped.
 pub fn guard(path: &Path, force: bool) -> Result<()> {
     if path.exists() && !force {
         bail!("{} exists; choose another name or pass --force to overwrite it", path.display());
     }
     if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        fs::create_dir_all(folder)
-            .with_context(|| format!("cannot make folder {}", folder.display()))?;
+        let (path, shown) = (path.display(), folder.display());
+        ensure!(
+            folder.is_dir(),
+            "cannot write {path}: there is no folder {shown}; make it first, or name another place"
+        );
     }
     Ok(())
+}
+
+/// Whether a path is written as that of a folder.
+pub fn names_folder(path: &Path) -> bool {
+    path.as_os_str().as_encoded_bytes().ends_with(std::path::MAIN_SEPARATOR_STR.as_bytes())
+}
+
+/// Makes a folder that was named as one, where there is none yet.
+pub fn make_folder(folder: &Path) -> Result<()> {
+    fs::create_dir_all(folder).with_context(|| format!("cannot make folder {}", folder.display()))
 }
 
 /// Refuses to write a file that is being read, whatever `--force` says.

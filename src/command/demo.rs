@@ -138,7 +138,6 @@ impl Demo {
 
 /// Makes the folder, or, where it may, clears what an earlier demo left there and nothing else.
 fn prepare(folder: &Path, force: bool) -> Result<()> {
-    let name = || folder.display().to_string();
     if folder.exists() {
         ensure!(force, "{FOLDER} exists; pass --force to make the demo anew there");
         let mut left = vec![folder.join("case1-lab.mcap")];
@@ -154,7 +153,7 @@ fn prepare(folder: &Path, force: bool) -> Result<()> {
             }
         }
     }
-    fs::create_dir_all(folder).with_context(name)
+    logs::make_folder(folder)
 }
 
 fn record(
@@ -190,6 +189,7 @@ fn record_fleet(
     controller: &str,
 ) -> Result<Vec<PathBuf>> {
     let folder = folder.join(format!("recorded-with-{controller}"));
+    logs::make_folder(&folder)?;
     let mut scenarios = Vec::new();
     for kind in KINDS {
         for number in 1..=SESSIONS_OF_EACH_KIND {

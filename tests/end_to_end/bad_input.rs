@@ -345,6 +345,32 @@ fn one_recording_named_twice() {
 fn a_failing_check_fails_whoever_reads_it() {
     let here = Workplace::new();
     here.record("a.mcap", "--scenario case1 --duration 5");
+/// A mistyped folder is not made; one that is named as a folder is.
+#[test]
+fn an_output_in_a_folder_that_is_not_there() {
+    let here = Workplace::new();
+    here.record("log.mcap", "--scenario case1-lab --duration 3");
+    for line in [
+        "record --scenario case1 --duration 2 -o fixturs/x.mcap",
+        "replay log.mcap -o fixturs/x.mcap",
+        "plot log.mcap -o fixturs/x.svg",
+        "map log.mcap -o fixturs/x.toml",
+    ] {
+        let run = here.tandem(line).exits(2);
+        let error = run.error_line();
+        assert!(error.contains("there is no folder fixturs; make it"), "`{line}`: {error}");
+        assert!(!here.path("fixturs").exists(), "`{line}`");
+    }
+    fs::copy(here.path("log.mcap"), here.path("other.mcap")).unwrap();
+    here.tandem("replay log.mcap other.mcap -o new/out").succeeds();
+    assert!(here.path("new/out/other.tandem-kinematic.mcap").is_file());
+    here.tandem("replay log.mcap -o one/").succeeds();
+    assert!(here.path("one/log.tandem-kinematic.mcap").is_file());
+    let compare = "compare --a paper-kinematic --b paper-kinematic log.mcap --report new/report";
+    here.tandem(compare).succeeds();
+    assert!(here.path("new/report/report.html").is_file());
+}
+
     here.tandem("replay a.mcap --controller paper-kinematic -o b.mcap").succeeds();
     // Nobody reads standard output: the pipe is closed before the program writes.
     let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("tandem"))
@@ -374,6 +400,7 @@ fn two_logs_for_one_output() {
         let run = here.tandem(&format!("replay {several} -o both.mcap")).exits(2);
         let line = run.error_line();
         assert!(line.contains("both.mcap: several results") && line.contains("-o both"), "{line}");
+        fs::create_dir(here.path(folder)).unwrap();
         assert!(!here.path("both.mcap").exists());
     }
 }

@@ -24,6 +24,7 @@ pub(super) struct ReportFiles {
 impl ReportFiles {
     /// Where they go, checked before the work begins rather than after it.
     pub(super) fn guarded(folder: &Path, force: bool) -> Result<Vec<PathBuf>> {
+        logs::make_folder(folder)?;
         let files: Vec<PathBuf> = NAMES.iter().map(|name| folder.join(name)).collect();
         for file in &files {
             logs::guard(file, force)?;

@@ -24,6 +24,9 @@ impl Replay {
             output.display(),
             output.with_extension("").display()
         );
+        if several || logs::names_folder(output) {
+            logs::make_folder(output)?;
+        }
         side_by_side::guard_layout(&side_by_side::layout_beside(output, several), common.force)?;
         let mut seen = BTreeMap::new();
         for log in &self.logs {
