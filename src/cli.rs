@@ -40,6 +40,7 @@ pub struct Common {
     pub force: bool,
     /// How many logs to work on at once [default: the number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..), global = true,
+          allow_negative_numbers = true,
           help_heading = "Common options")]
     pub threads: Option<u16>,
 }

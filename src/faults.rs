@@ -14,7 +14,7 @@ pub struct FaultArgs {
     #[arg(long = "fault", value_name = "NAME=VALUE")]
     faults: Vec<Fault>,
     /// Seed of what is random about the faults; 0 if not given
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     fault_seed: Option<u64>,
 }
 

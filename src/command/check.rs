@@ -31,7 +31,8 @@ pub struct Check {
     #[arg(value_name = "DIR", default_value = "fixtures")]
     folder: PathBuf,
     /// Give up on a controller that does not answer for so many seconds; its fixture then has failed
-    #[arg(long, default_value = "30", value_name = "SECONDS", value_parser = patience)]
+    #[arg(long, default_value = "30", value_name = "SECONDS", value_parser = patience,
+          allow_negative_numbers = true)]
     hang_after: Duration,
 }
 

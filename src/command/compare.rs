@@ -68,7 +68,8 @@ pub struct Compare {
     #[arg(long, value_enum, default_value_t = HumanName::Playback)]
     pub human: HumanName,
     /// Give up on a controller that does not answer for so many seconds; its log then has failed
-    #[arg(long, default_value = "30", value_name = "SECONDS", value_parser = patience)]
+    #[arg(long, default_value = "30", value_name = "SECONDS", value_parser = patience,
+          allow_negative_numbers = true)]
     pub hang_after: Duration,
     /// The plant of a closed loop, for both arms: the one that each log claims, or the one that it shows
     #[arg(long, value_enum, default_value_t = PlantName::Recorded)]
@@ -83,7 +84,13 @@ pub struct Compare {
     #[arg(long, value_name = "DIR")]
     pub report: Option<PathBuf>,
     /// With --report: of how many logs, those with most to see, both arms go side by side into a log
-    #[arg(long, value_name = "N", default_value_t = 3, requires = "report")]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 3,
+        requires = "report",
+        allow_negative_numbers = true
+    )]
     pub ab: u16,
     /// Append the Markdown report to this file, for a step summary
     #[arg(long, value_name = "FILE")]
@@ -96,7 +103,7 @@ pub struct Compare {
     pub self_test: bool,
     /// With --self-test: how many comparisons with other noise
     #[arg(long, value_name = "N", default_value_t = 200, requires = "self_test",
-          value_parser = clap::value_parser!(u16).range(1..))]
+          value_parser = clap::value_parser!(u16).range(1..), allow_negative_numbers = true)]
     pub alarms: u16,
 }
 

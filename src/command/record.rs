@@ -46,7 +46,7 @@ pub struct Record {
     #[arg(long, value_enum)]
     pub sensors: Option<SensorsName>,
     /// Seed of sensor, hand and actuator noise
-    #[arg(long, default_value_t = 0, value_name = "N")]
+    #[arg(long, default_value_t = 0, value_name = "N", allow_negative_numbers = true)]
     pub seed: u64,
     /// How long, in seconds [default: the scenario's]
     #[arg(long, value_name = "SECONDS", value_parser = positive_seconds, allow_negative_numbers = true)]

@@ -71,10 +71,10 @@ pub struct Replay {
     #[command(flatten)]
     pub how: How,
     /// Where to begin, seconds from the start; what comes before is run through to warm up
-    #[arg(long, value_name = "T", value_parser = seconds)]
+    #[arg(long, value_name = "T", value_parser = seconds, allow_negative_numbers = true)]
     pub from: Option<f64>,
     /// Where to end, seconds from the start
-    #[arg(long, value_name = "T", value_parser = seconds)]
+    #[arg(long, value_name = "T", value_parser = seconds, allow_negative_numbers = true)]
     pub to: Option<f64>,
     /// The plant of a closed loop: the one that the log claims, or the one that it shows
     #[arg(long, value_enum, default_value_t = PlantName::Recorded)]

@@ -16,7 +16,8 @@ pub struct How {
     #[arg(long, value_enum, default_value_t = HumanName::Playback)]
     pub human: HumanName,
     /// Give up on a controller that does not answer for so many seconds; its log then has failed
-    #[arg(long, default_value = "30", value_name = "SECONDS", value_parser = patience)]
+    #[arg(long, default_value = "30", value_name = "SECONDS", value_parser = patience,
+          allow_negative_numbers = true)]
     pub hang_after: Duration,
 }
 
@@ -63,7 +64,7 @@ pub fn patience(text: &str) -> Result<Duration, String> {
 pub(super) fn seconds(text: &str) -> Result<f64, String> {
     match text.trim_end_matches('s').parse::<f64>() {
         Ok(seconds) if seconds >= 0.0 && seconds.is_finite() => Ok(seconds),
-        _ => Err("expected seconds from the start of the log".to_owned()),
+        _ => Err("expected seconds from the start of the log, 0 or more, such as 12.5".to_owned()),
     }
 }
 
