@@ -22,6 +22,16 @@ use crate::statistics::{Interval, holm};
 /// Largest chance of a false call within a group of metrics.
 const ALPHA: f64 = 0.05;
 
+/// The groups whose primary metrics decide, the first before the second.
+const DECIDING: [Group; 2] = [Group::Safety, Group::Authority];
+
+impl MetricChange {
+    /// Whether the verdict may rest on it.
+    pub fn decides(&self) -> bool {
+        self.primary && DECIDING.contains(&self.group)
+    }
+}
+
 /// Marks the metrics whose change is beyond chance.
 pub(super) fn mark_decidable(metrics: &mut [MetricChange]) {
     for (group, primary) in Group::ALL.into_iter().flat_map(|group| [(group, true), (group, false)])
@@ -68,7 +78,7 @@ pub(super) fn verdict(comparison: &Comparison, all_same: bool) -> (Verdict, Stri
     if all_same && unchanged {
         return (Verdict::Same, format!("A and B do exactly the same in {logs}"));
     }
-    for group in [Group::Safety, Group::Authority] {
+    for group in DECIDING {
         let (improved, declined) = changed(comparison, group);
         let (verdict, carried) = match (improved.is_empty(), declined.is_empty()) {
             (true, true) => continue,
@@ -153,8 +163,7 @@ fn no_call(comparison: &Comparison, logs: &str) -> String {
     let changes_somewhere = |metric: &&MetricChange| {
         let mut deltas =
             comparison.logs.iter().filter_map(|log| log.metrics.get(&metric.name)?.delta);
-        let decides = matches!(metric.group, Group::Safety | Group::Authority);
-        metric.primary && decides && deltas.any(|delta| delta != 0.0)
+        metric.decides() && deltas.any(|delta| delta != 0.0)
     };
     let nearest = comparison
         .metrics

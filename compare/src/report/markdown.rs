@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::self_test::{MUTANT_ALIGNS, MUTANT_HEAD, MutantRow};
 use super::swaps::{SWAP_ALIGNS, SWAP_HEAD, SwapRow};
 use super::table::{Align, in_cell, markdown as table};
-use super::view::{METRIC_ALIGNS, METRIC_HEAD, MetricRow, View};
+use super::view::{DECIDES, METRIC_ALIGNS, METRIC_HEAD, MetricRow, View};
 use crate::comparison::Comparison;
 
 /// Most rows of a list; the number of those left out is said. Keeps a comment far below the
@@ -38,7 +38,7 @@ pub fn markdown(comparison: &Comparison) -> String {
     if !undefined.is_empty() {
         let _ = write!(text, ". Undefined in these logs: {}", in_cell(&undefined.join(", ")));
     }
-    text.push_str(".\n");
+    let _ = writeln!(text, ". {}.", in_cell(DECIDES));
 
     text.push_str(&gate(&view));
     text.push_str(&levels(&view));

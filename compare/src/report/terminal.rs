@@ -8,7 +8,7 @@ use schemas::Node;
 use super::self_test::{MUTANT_ALIGNS, MUTANT_HEAD, MutantRow};
 use super::swaps::{SWAP_ALIGNS, SWAP_HEAD, SwapRow};
 use super::table::{Align, columns};
-use super::view::{METRIC_ALIGNS, METRIC_HEAD, MomentRow, View, ViolationRow};
+use super::view::{DECIDES, METRIC_ALIGNS, METRIC_HEAD, MomentRow, View, ViolationRow};
 use crate::comparison::Comparison;
 
 /// Most rows of a list; the number of those left out is said.
@@ -32,7 +32,8 @@ pub fn terminal(comparison: &Comparison) -> String {
     if !undefined.is_empty() {
         let _ = writeln!(text, "undefined in these logs: {}", undefined.join(", "));
     }
-    text.push_str("▲ better  ▼ worse  ○ within chance (the interval and a test corrected for the number of metrics must both speak)  = no change\n\n");
+    text.push_str("▲ better  ▼ worse  ○ within chance (the interval and a test corrected for the number of metrics must both speak)  = no change\n");
+    let _ = writeln!(text, "{DECIDES}\n");
 
     text.push_str(&gate(&view));
     text.push_str(&levels(&view));

@@ -98,6 +98,11 @@ fn from_json(comparison: &Comparison) -> Printed {
         .collect()
 }
 
+/// A metric's name without the star of those that the verdict rests on.
+fn unstarred(name: &str) -> String {
+    name.trim_end_matches(" *").to_owned()
+}
+
 fn from_terminal(comparison: &Comparison) -> Printed {
     let text = terminal(comparison);
     let lines = text.lines().skip_while(|line| !line.starts_with("metric ")).skip(1);
@@ -107,7 +112,7 @@ fn from_terminal(comparison: &Comparison) -> Printed {
         .map(|line| {
             let mut cells: Vec<&str> =
                 line.split("  ").map(str::trim).filter(|cell| !cell.is_empty()).collect();
-            let name = cells.remove(0).to_owned();
+            let name = unstarred(cells.remove(0));
             // The unit, which not all have, and the direction.
             let better = cells.iter().position(|c| ["higher", "lower"].contains(c));
             cells.drain(..=better.expect("has a direction"));
@@ -133,9 +138,10 @@ fn from_markdown(comparison: &Comparison) -> Printed {
                 .split(" | ")
                 .map(|cell| cell.trim().replace('\\', ""))
                 .collect();
-            crate::metric(&cells[0]).filter(|_| cells.len() == 10)?;
+            let name = unstarred(&cells[0]);
+            crate::metric(&name).filter(|_| cells.len() == 10)?;
             let kept = [3, 4, 6, 7, 8, 9].map(|i| cells[i].clone()).to_vec();
-            Some((cells[0].clone(), kept))
+            Some((name, kept))
         })
         .collect()
 }
@@ -155,7 +161,7 @@ fn from_page(comparison: &Comparison) -> Printed {
                 .map(|(_, text)| text.to_owned())
                 .collect();
             let kept = [3, 4, 6, 7, 8, 9].map(|i| cells[i].clone()).to_vec();
-            (cells[0].clone(), kept)
+            (unstarred(&cells[0]), kept)
         })
         .collect()
 }

@@ -69,6 +69,8 @@ pub(super) struct LevelRow {
 #[derive(Clone, Debug, Serialize)]
 pub(super) struct MetricRow {
     pub(super) name: String,
+    /// Whether the verdict may rest on it; the others are told beside it.
+    pub(super) decides: bool,
     pub(super) unit: String,
     pub(super) group: &'static str,
     pub(super) better: &'static str,
@@ -148,6 +150,10 @@ pub(super) struct LogMetricRow {
 pub(super) const METRIC_HEAD: [&str; 10] =
     ["metric", "unit", "better", "A", "B", "", "B - A", "95 % interval", "p", "n"];
 
+/// What the star behind some names means.
+pub(super) const DECIDES: &str =
+    "* the metrics that the verdict rests on; a gate looks at those that its file names";
+
 /// How the columns of that table stand.
 pub(super) const METRIC_ALIGNS: [Align; 10] = {
     use Align::{Left, Right};
@@ -157,8 +163,9 @@ pub(super) const METRIC_ALIGNS: [Align; 10] = {
 impl MetricRow {
     /// The row for a table of text.
     pub(super) fn cells(&self) -> Vec<String> {
-        let MetricRow { name, unit, better, a, b, mark, delta, ci, p, n, .. } = self;
-        [name, unit, *better, a, b, *mark, delta, ci, p, n].map(str::to_owned).to_vec()
+        let MetricRow { unit, better, a, b, mark, delta, ci, p, n, .. } = self;
+        let name = if self.decides { format!("{} *", self.name) } else { self.name.clone() };
+        [&name, unit, *better, a, b, *mark, delta, ci, p, n].map(str::to_owned).to_vec()
     }
 }
 
@@ -322,6 +329,7 @@ fn metric_row(change: &MetricChange) -> MetricRow {
     }
     MetricRow {
         name: change.name.clone(),
+        decides: change.decides(),
         unit: change.unit.clone(),
         group: change.group.name(),
         better: change.better.name(),

@@ -117,8 +117,10 @@ fn expected(json: &Value) -> BTreeMap<&'static str, Table> {
                 let (a, b) = (number(m["a"].as_f64()), number(m["b"].as_f64()));
                 let delta = signed(m["delta"].as_f64());
                 let p = number(m["p"].as_f64());
+                let deciding = ["safety", "authority"].map(Value::from).contains(&m["group"]);
+                let star = if m["primary"] == true && deciding { " *" } else { "" };
                 vec![
-                    text(&m["name"]),
+                    format!("{}{star}", text(&m["name"])),
                     text(&m["unit"]),
                     text(&m["better"]),
                     a,
