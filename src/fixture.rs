@@ -64,7 +64,12 @@ pub fn find(folder: &Path) -> Result<Vec<Fixture>> {
     if folder.join("fixture.toml").is_file() {
         return Ok(vec![Fixture::read(folder)?]);
     }
-    let entries = fs::read_dir(folder).with_context(|| folder.display().to_string())?;
+    let entries = fs::read_dir(folder).with_context(|| {
+        format!(
+            "{}: fixtures are looked for there, as in a clone of the repository; name another folder of them",
+            folder.display()
+        )
+    })?;
     let mut folders = Vec::new();
     for entry in entries {
         let path = entry.with_context(|| folder.display().to_string())?.path();
@@ -74,7 +79,10 @@ pub fn find(folder: &Path) -> Result<Vec<Fixture>> {
     }
     folders.sort();
     if folders.is_empty() {
-        bail!("{}: no fixture there (a folder with a fixture.toml in it)", folder.display());
+        bail!(
+            "{}: no fixture there (a folder with session.mcap and fixture.toml in it); name a folder of them",
+            folder.display()
+        );
     }
     folders.iter().map(|folder| Fixture::read(folder)).collect()
 }

@@ -85,7 +85,7 @@ pub enum SpecError {
         because: String,
     },
     /// Not TOML.
-    #[error("parameters are not TOML: {0}")]
+    #[error("parameters are not TOML")]
     Toml(#[from] toml::de::Error),
 }
 

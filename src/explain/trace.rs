@@ -43,7 +43,9 @@ pub fn trace(log: &Path, moment: &Moment) -> Traced {
     let run = &moment.header.run;
     match Spec::from_recorded(&run.controller, &moment.header.params_toml) {
         Err(error) => {
-            let why = format!("the recorded controller is not part of this build: {error}");
+            let why = anyhow::Error::from(error)
+                .context("the recorded controller is not part of this build");
+            let why = format!("{why:#}");
             Traced { spec: Err(why.clone()), trace: Err(why) }
         }
         Ok(spec) => {

@@ -175,7 +175,20 @@ fn arguments_that_mean_nothing() {
         ("record --scenario case3 --driver goal -o x.mcap", "task"),
         ("record --duration -1 -o x.mcap", "positive"),
         ("record -o log.mcap", "--force"),
-        ("check nowhere", "nowhere"),
+        ("check nowhere", "in a clone of the repository"),
+        ("check .", "session.mcap and fixture.toml"),
+        (
+            "replay log.mcap --from -5",
+            "'--from <T>': expected seconds from the start of the log, 0 or",
+        ),
+        (
+            "replay log.mcap --to -0.5",
+            "'--to <T>': expected seconds from the start of the log, 0 or",
+        ),
+        ("replay log.mcap --hang-after -1", "more than 0 seconds"),
+        ("record --seed -1 -o x.mcap", "invalid digit"),
+        ("replay log.mcap --threads -1", "-1 is not in 1..=65535"),
+        ("replay log.mcap --fault latency=1e9", "the value of latency is seconds, from 0 to 10"),
     ] {
         let run = here.tandem(line).exits(2);
         assert!(run.error_line().contains(what), "`{line}` should speak of {what}: {}", run.stderr);
@@ -332,19 +345,6 @@ fn an_output_that_is_the_input() {
     assert!(before == fs::read(&log).unwrap(), "the recording is untouched");
 }
 
-#[test]
-fn one_recording_named_twice() {
-    let here = Workplace::new();
-    here.record("a.mcap", "--scenario case1 --duration 5");
-    fs::copy(here.path("a.mcap"), here.path("b.mcap")).unwrap();
-    let run = here.tandem("compare --a human --b tandem-kinematic a.mcap b.mcap").exits(2);
-    assert!(run.error_line().contains("same recording"), "{}", run.stderr);
-}
-
-#[test]
-fn a_failing_check_fails_whoever_reads_it() {
-    let here = Workplace::new();
-    here.record("a.mcap", "--scenario case1 --duration 5");
 /// A mistyped folder is not made; one that is named as a folder is.
 #[test]
 fn an_output_in_a_folder_that_is_not_there() {
@@ -371,6 +371,19 @@ fn an_output_in_a_folder_that_is_not_there() {
     assert!(here.path("new/report/report.html").is_file());
 }
 
+#[test]
+fn one_recording_named_twice() {
+    let here = Workplace::new();
+    here.record("a.mcap", "--scenario case1 --duration 5");
+    fs::copy(here.path("a.mcap"), here.path("b.mcap")).unwrap();
+    let run = here.tandem("compare --a human --b tandem-kinematic a.mcap b.mcap").exits(2);
+    assert!(run.error_line().contains("same recording"), "{}", run.stderr);
+}
+
+#[test]
+fn a_failing_check_fails_whoever_reads_it() {
+    let here = Workplace::new();
+    here.record("a.mcap", "--scenario case1 --duration 5");
     here.tandem("replay a.mcap --controller paper-kinematic -o b.mcap").succeeds();
     // Nobody reads standard output: the pipe is closed before the program writes.
     let mut child = std::process::Command::new(assert_cmd::cargo::cargo_bin("tandem"))
@@ -387,6 +400,7 @@ fn an_output_in_a_folder_that_is_not_there() {
 fn two_logs_for_one_output() {
     let here = Workplace::new();
     for folder in ["p", "q"] {
+        fs::create_dir(here.path(folder)).unwrap();
         here.record(&format!("{folder}/log.mcap"), "--scenario case1 --duration 2");
     }
     let run = here.tandem("replay p/log.mcap q/log.mcap -o out --force").exits(2);
@@ -400,7 +414,6 @@ fn two_logs_for_one_output() {
         let run = here.tandem(&format!("replay {several} -o both.mcap")).exits(2);
         let line = run.error_line();
         assert!(line.contains("both.mcap: several results") && line.contains("-o both"), "{line}");
-        fs::create_dir(here.path(folder)).unwrap();
         assert!(!here.path("both.mcap").exists());
     }
 }

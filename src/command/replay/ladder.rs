@@ -83,7 +83,11 @@ impl Ladder {
         if ladders.is_empty() {
             return text;
         }
-        let _ = writeln!(text, "\nspread between the levels, widest first");
+        let _ = writeln!(
+            text,
+            "\nspread between the levels, widest first: how far apart their robots are, the two furthest, on \
+             average\nover the time; so much of a prediction hangs on who the person is taken to be"
+        );
         for ladder in ladders {
             let _ = writeln!(text, "  {:7.3} m  {}", ladder.spread_m, ladder.log);
             if let Some(remark) = ladder.remark {
