@@ -1,6 +1,8 @@
 //! One arm of a comparison: a log under one controller.
 
-use std::cell::{Cell, RefCell};
+mod plant;
+mod side;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::BufReader;
@@ -8,17 +10,19 @@ use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use anyhow::{Context as _, Result, anyhow};
+use anyhow::{Result, anyhow};
 use compare::{CATALOGUE, Diff, LevelPair, LogPair, Measured, Meter, Tolerances};
 use controller::{Runner, Spec};
-use replay::{Faults, Gains, Mode, Person, PlantClaim, PlantEstimate, Recording, Replay, Untold};
+use plant::PlantWords;
+pub use plant::{DrivenPlant, driven};
+use replay::{Faults, Gains, Mode, Person, Recording, Replay};
 use schemas::log::LogReader;
-use schemas::{Event, Header, Reason, Scenario, Stamped, Step, Time};
+use schemas::{Event, Header, Stamped, Time};
+use side::Side;
 
 use crate::cli::Common;
 use crate::command::replay::{PlantName, replay_header};
 use crate::controller_choice::ControllerChoice;
-use crate::explain::trace;
 use crate::fleet::watch;
 use crate::{faults, fleet, interrupt, logs, side_by_side};
 
@@ -168,29 +172,6 @@ struct Log<'a> {
     plant: PlantWords,
 }
 
-/// What a comparison says of a log's plant.
-#[derive(Default)]
-struct PlantWords {
-    /// Where the log contradicts the plant that is driven.
-    doubt: Option<String>,
-    /// Why it says nothing of it, where it does not.
-    untold: Option<String>,
-}
-
-impl PlantWords {
-    fn of(plant: &DrivenPlant) -> PlantWords {
-        let untold = |why: Untold| PlantWords { doubt: None, untold: Some(why.to_string()) };
-        match plant {
-            DrivenPlant::Claimed(PlantClaim::Contradicted(doubt)) => {
-                PlantWords { doubt: Some(doubt.to_string()), untold: None }
-            }
-            DrivenPlant::Claimed(PlantClaim::Untested(why)) => untold(*why),
-            DrivenPlant::Claimed(PlantClaim::Stands) => PlantWords::default(),
-            DrivenPlant::Identified(found) => found.untold.map(untold).unwrap_or_default(),
-        }
-    }
-}
-
 impl<'a> Log<'a> {
     fn read(path: &'a Path, modes: &[Mode], plant: PlantName) -> Result<Log<'a>> {
         let header = logs::open(path)?.header().clone();
@@ -208,31 +189,6 @@ impl<'a> Log<'a> {
         };
         Ok(Log { path, header, recording, plant })
     }
-}
-
-/// The plant that a closed loop drives.
-pub enum DrivenPlant {
-    /// The one that the log claims, and how the log stands to that.
-    Claimed(PlantClaim),
-    /// The one that the log shows, and what it shows of it.
-    Identified(PlantEstimate),
-}
-
-/// A recording on the plant that was asked for.
-pub fn driven(
-    path: &Path,
-    recording: Recording,
-    plant: PlantName,
-) -> Result<(Recording, DrivenPlant)> {
-    let log = logs::open_raw(path)?;
-    Ok(match plant {
-        PlantName::Recorded => (recording, DrivenPlant::Claimed(PlantClaim::of_log(log))),
-        PlantName::Identified => {
-            let found = PlantEstimate::of_log(log);
-            let claimed = recording.header().scenario.plant;
-            (recording.on_plant(found.applied_to(claimed)), DrivenPlant::Identified(found))
-        }
-    })
 }
 
 /// Both arms of one log, walked side by side: measured, and compared step by step; for each mode in
@@ -344,115 +300,6 @@ fn walk(
     );
     let horizon_s = [a.horizon_s(), b.horizon_s()].into_iter().flatten().min_by(f64::total_cmp);
     (a.finish(unmet), b.finish(unmet), diff, horizon_s)
-}
-
-/// An arm with its meter.
-struct Side {
-    arm: RefCell<Arm>,
-    /// The controller that is replayed; `None` for a recorded arm.
-    spec: Option<Spec>,
-    scenario: Scenario,
-    /// Who drove in the step before: k, and whether the safety layer altered the input.
-    drove: Cell<Option<(f64, bool)>>,
-    meter: RefCell<Meter>,
-    failed: RefCell<Option<anyhow::Error>>,
-    start: Time,
-    /// The newest event, seconds from the start.
-    last_s: Cell<f64>,
-}
-
-impl Side {
-    /// An arm that is walked alone, or beside another.
-    fn new(header: &Header, choice: &ControllerChoice, arm: Arm, other: Option<&Side>) -> Side {
-        let spec = match choice {
-            ControllerChoice::Recorded => None,
-            version @ ControllerChoice::Version { .. } => version.for_log(header).ok(),
-        };
-        // The recording's own parameters are those of another controller.
-        let params_toml =
-            spec.as_ref().map_or_else(|| header.params_toml.clone(), Spec::params_toml);
-        let header = &Header { params_toml, ..header.clone() };
-        let meter = match other {
-            Some(other) => other.meter.borrow().beside(header),
-            None => Meter::new(header),
-        };
-        Side {
-            meter: RefCell::new(meter),
-            arm: RefCell::new(arm),
-            spec,
-            scenario: header.scenario.clone(),
-            drove: Cell::new(None),
-            failed: RefCell::new(None),
-            start: header.run.start,
-            last_s: Cell::new(0.0),
-        }
-    }
-
-    /// The next event. A failure ends this side alone: the other is measured to its end.
-    fn next_event(&self) -> Option<Stamped<Event>> {
-        let next = self.arm.borrow_mut().next_event();
-        let asked = next.and_then(|event| {
-            if let Some(event) = &event {
-                self.meter.borrow_mut().observe(event);
-                self.last_s.set(event.at.seconds_since(self.start));
-                if let Event::Step(step) = &event.value {
-                    self.ask(step)?;
-                }
-            }
-            Ok(event)
-        });
-        asked.unwrap_or_else(|error| {
-            *self.failed.borrow_mut() = Some(error);
-            None
-        })
-    }
-
-    /// Asks the controller, where another drives than in the step before, which echo that hangs on: the
-    /// one that ends D, or that the safety layer looks at.
-    fn ask(&self, step: &Step) -> Result<()> {
-        let drives = (step.k, step.projected);
-        if self.drove.replace(Some(drives)).is_none_or(|before| before == drives) {
-            return Ok(());
-        }
-        let arm = self.arm.borrow();
-        let (Arm::Replayed(replay), Some(spec)) = (&*arm, &self.spec) else { return Ok(()) };
-        let kept_back = step.reason == Reason::WouldBeProjected || step.projected;
-        // What a controller says of itself it may get wrong like all the rest.
-        let ray = caught(|| {
-            let look = replay.runner().look()?;
-            if kept_back {
-                return look.shielded(step.u_h, false)?.ray;
-            }
-            let (requested, present) = trace::travel_rays(&look, step, spec, &self.scenario);
-            // Asked about both speeds, D is that of the one that is nearer to danger.
-            let present = present.filter(|ray| ray.free_m == step.distance_human_m);
-            Some(present.unwrap_or(requested))
-        })?;
-        if let Some(echo) = ray.and_then(|ray| ray.echo) {
-            self.meter.borrow_mut().ended_by(echo.fired, echo.range_m);
-        }
-        Ok(())
-    }
-
-    /// When the arm parted from the recording, or where it ended without; `None` in open loop.
-    fn horizon_s(&self) -> Option<f64> {
-        match &*self.arm.borrow() {
-            Arm::Recorded(_) => None,
-            Arm::Replayed(replay) => {
-                let horizon = replay.horizon()?;
-                Some(horizon.first_s().unwrap_or(self.last_s.get()))
-            }
-        }
-    }
-
-    fn finish(self, unmet: &mut BTreeSet<String>) -> Result<Measured> {
-        if let Some(error) = self.failed.into_inner() {
-            return Err(error);
-        }
-        let finished = self.arm.into_inner().finish(unmet);
-        finished.context("only part of the log could be replayed")?;
-        Ok(self.meter.into_inner().finish()?)
-    }
 }
 
 #[cfg(test)]

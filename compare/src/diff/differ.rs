@@ -1,7 +1,5 @@
 //! Two streams of events, matched and compared as they come.
 
-use std::collections::VecDeque;
-
 use schemas::{Event, Node, Stamped, Time};
 use serde::{Deserialize, Serialize};
 
@@ -9,7 +7,8 @@ use super::cause::{Candidate, First, FirstCause, sentence};
 use super::field::{FieldDifference, Row, command_rows, step_rows, unit_of_law};
 use super::lacking::Lacking;
 use super::lag::Lag;
-use super::reading::{Cell, Reading, command_cells, step_cells};
+use super::reading::{Cell, Reading};
+use super::side::{COMMAND, End, Next, STEP, Side};
 use super::tolerance::{Tolerance, Tolerances};
 use crate::CompareError;
 
@@ -43,72 +42,6 @@ pub struct Diff {
     /// What differed first.
     pub first_cause: Option<FirstCause>,
 }
-
-/// A message that waits for its counterpart.
-struct Waiting {
-    key: i128,
-    cells: Vec<Cell>,
-}
-
-/// How a run ends.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum End {
-    /// Nothing came after.
-    Whole,
-    /// What came after cannot be read.
-    Cut,
-}
-
-/// What a run says next.
-#[derive(Clone, Debug)]
-pub enum Next {
-    /// Its next event.
-    Event(Stamped<Event>),
-    /// That it is over.
-    End,
-    /// That what follows cannot be read: what the other run has beyond this is not compared.
-    Cut,
-}
-
-impl From<Option<Stamped<Event>>> for Next {
-    fn from(event: Option<Stamped<Event>>) -> Next {
-        event.map_or(Next::End, Next::Event)
-    }
-}
-
-/// One run: its messages that have not been matched yet.
-#[derive(Default)]
-struct Side {
-    start: Time,
-    queues: [VecDeque<Waiting>; 2],
-    end: Option<End>,
-    /// Whether its law commands accelerations, from its first command.
-    accelerates: Option<bool>,
-}
-
-impl Side {
-    fn waiting(&self) -> usize {
-        self.queues.iter().map(VecDeque::len).sum()
-    }
-
-    /// Takes in an event; the topic of one that is compared.
-    fn push(&mut self, event: &Stamped<Event>) -> Option<usize> {
-        let (topic, stamp, cells) = match &event.value {
-            Event::Step(step) => (STEP, step.stamp, step_cells(step)),
-            Event::Command(command) => {
-                self.accelerates.get_or_insert(command.accel.is_some());
-                (COMMAND, command.stamp, command_cells(command))
-            }
-            _ => return None,
-        };
-        let key = i128::from(stamp.0) - i128::from(self.start.0);
-        self.queues[topic].push_back(Waiting { key, cells });
-        Some(topic)
-    }
-}
-
-const STEP: usize = 0;
-const COMMAND: usize = 1;
 
 /// What is compared of one topic, and what came of it.
 struct Topic {

@@ -16,13 +16,15 @@ mod field;
 mod lacking;
 mod lag;
 mod reading;
+mod side;
 mod tolerance;
 
 #[cfg(test)]
 mod tests;
 
 pub use cause::FirstCause;
-pub use differ::{Compared, Diff, Differ, Next, diff};
+pub use differ::{Compared, Diff, Differ, diff};
 pub use field::{FieldDifference, unit_of_law};
 pub use reading::Reading;
+pub use side::Next;
 pub use tolerance::{Base, Tolerance, Tolerances};
