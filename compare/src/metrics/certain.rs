@@ -85,6 +85,16 @@ fn length(a: [f64; 2]) -> f64 {
     dot(a, a).sqrt()
 }
 
+/// Whether a distance is one, whatever the rounding.
+fn is_clear(gap_m: f64) -> bool {
+    gap_m > SLACK_M
+}
+
+/// Whether a distance is a contact deeper than that, whatever the rounding.
+fn is_deep(gap_m: f64, deep_m: f64) -> bool {
+    gap_m < -(deep_m + SLACK_M)
+}
+
 /// Least value over a span of what is `from` at its start and `to` at its end and bends by at most
 /// `bend` per second twice.
 fn least(from: f64, to: f64, bend: f64, span_s: f64) -> f64 {
@@ -181,7 +191,7 @@ impl Certain {
         let from = Placed::new(pose, 0.0);
         let to = Placed::new(&arc(pose, twist, span_s), span_s);
         // Whoever goes step by step looks at the very end too.
-        if self.deepest_m(world, &to, t_s, all) < -SLACK_M {
+        if is_deep(self.deepest_m(world, &to, t_s, all), 0.0) {
             return Some(true);
         }
         // What lasts longer than the shortest step is not stepped over.
@@ -200,7 +210,7 @@ impl Certain {
                 }
                 let middle_s = 0.5 * (piece.from.at_s + piece.to.at_s);
                 let middle = Placed::new(&arc(pose, twist, middle_s), middle_s);
-                if self.deepest_m(world, &middle, t_s, near) < -(deep_m + SLACK_M) {
+                if is_deep(self.deepest_m(world, &middle, t_s, near), deep_m) {
                     return Some(true);
                 }
                 let piece = Piece { near, ..*piece };
@@ -245,21 +255,22 @@ impl Certain {
         let bend = omega_radps * (v_mps + omega_radps * self.reach_m);
         if let Some(wall) = self.walls.get(thing) {
             let gaps_m = [from, to].map(|body| self.to_wall_m(body, *wall));
-            return least(gaps_m[0], gaps_m[1], bend, span_s) > SLACK_M;
+            return is_clear(least(gaps_m[0], gaps_m[1], bend, span_s));
         }
         let moved_m = v_mps * span_s;
         let Some(shape) = self.shapes.get(thing - self.walls.len()) else {
             let disc = world.discs[thing - self.walls.len() - self.shapes.len()];
             let gaps_m = [from, to].map(|body| self.to_disc_m(body, &disc.at(t_s + body.at_s)));
             let closing_mps = v_mps + omega_radps * self.reach_m + disc.speed_mps;
-            return gaps_m[0] + gaps_m[1] - closing_mps * span_s > SLACK_M;
+            // Half of that is left in between.
+            return is_clear(gaps_m[0] + gaps_m[1] - closing_mps * span_s);
         };
         let apart_m = length(minus(shape.middle_m, from.centre_m));
-        if apart_m - shape.radius_m - self.reach_m - moved_m > SLACK_M {
+        if is_clear(apart_m - shape.radius_m - self.reach_m - moved_m) {
             return true;
         }
         let kept_apart =
-            |gaps_m: [f64; 2], bend| least(gaps_m[0], gaps_m[1], bend, span_s) > SLACK_M;
+            |gaps_m: [f64; 2], bend| is_clear(least(gaps_m[0], gaps_m[1], bend, span_s));
         let by_face = shape
             .faces
             .iter()

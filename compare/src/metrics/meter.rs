@@ -202,7 +202,7 @@ impl Meter {
         }
         self.deliver_motion(None);
         let period_s = self.pending.as_ref().map_or(0.0, |pending| pending.period_s);
-        self.deliver_decision(if period_s > 0.0 { period_s } else { 0.0 });
+        self.deliver_decision(period_s.max(0.0));
         self.track.finish();
         let values: Vec<Option<f64>> = self
             .accumulators

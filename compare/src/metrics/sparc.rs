@@ -233,6 +233,8 @@ mod tests {
     fn creeping_is_no_movement() {
         assert!(arc_length(&[1.2e-4; WINDOW]).is_some());
         assert_eq!(arc_length(&[0.8e-4; WINDOW]), None);
+        // A millimetre, in a twentieth of a second.
+        assert!(arc_length(&[0.02]).is_some());
     }
 
     /// Side by side, each frequency is what it is alone, to the bit.

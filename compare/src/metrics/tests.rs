@@ -96,6 +96,14 @@ fn truth_that_comes_late_replaces_the_estimate() {
     assert!(grown.iter().all(|x| *x == 0.0), "{grown:?}");
 }
 
+/// What is printed of a meter is how much it has seen.
+#[test]
+fn a_meter_says_how_many_events_it_saw() {
+    let mut meter = Meter::new(&Run::new().header);
+    Run::clearances(&[1.0, 0.9]).events.iter().for_each(|event| meter.observe(event));
+    assert_eq!(format!("{meter:?}"), "Meter { events: 3, .. }");
+}
+
 #[test]
 fn a_run_without_a_step_is_an_error_and_not_a_row_of_zeros() {
     let mut run = Run::new();

@@ -309,6 +309,15 @@ fn a_corner_is_kept_off_by_a_side_of_the_body() {
     }
 }
 
+/// What is as small as rounding is neither.
+#[test]
+fn what_is_within_the_slack_is_neither_clear_nor_deep() {
+    assert_eq!([SLACK_M, 1.01 * SLACK_M].map(is_clear), [false, true]);
+    let deep_m = 0.25;
+    let border_m = -(deep_m + SLACK_M);
+    assert_eq!([border_m, border_m - 1e-10].map(|gap_m| is_deep(gap_m, deep_m)), [false, true]);
+}
+
 /// A square of 0.4 m about (2.5, 1.5): its corners are 0.2 √2 m from there.
 #[test]
 fn a_shape_is_measured_from_its_middle() {

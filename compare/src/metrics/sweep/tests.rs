@@ -316,6 +316,10 @@ fn what_is_too_far_away_is_certainly_clear() {
         assert_eq!(certain(vec![], ahead, rest, 1.5 - less_s, [2.0, 6.0]), want);
         assert_eq!(certain(vec![disc], ahead, ahead, 0.5 - less_s, [2.0, 6.0]), want);
     }
+    // What is just used up is not certain.
+    let course = Course { accel: Some([2.0, 6.0]), ..Course::constant(ahead, 1.25) };
+    let border = room().certainly_touches(&MIDDLE, 0.0, &course, CLEAR_M + 0.5 * 1.5);
+    assert_eq!(border, None);
     // Who cannot brake is not spoken of.
     assert_eq!(certain(vec![], rest, twist(0.01, 0.0), 1.0, [0.0, 6.0]), None);
 }
