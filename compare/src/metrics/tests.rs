@@ -10,8 +10,9 @@ mod safety;
 mod task;
 mod warrant;
 
+use super::authority::Rate;
 use super::catalogue::Feed;
-use super::{Basis, CATALOGUE, Meter, metric};
+use super::{Basis, Better, CATALOGUE, Group, Meter, metric};
 use crate::CompareError;
 use crate::synthetic::{Run, scenario};
 
@@ -96,12 +97,32 @@ fn truth_that_comes_late_replaces_the_estimate() {
     assert!(grown.iter().all(|x| *x == 0.0), "{grown:?}");
 }
 
-/// What is printed of a meter is how much it has seen.
+/// In text they are called as in JSON. Only what a clock says may differ from run to run.
 #[test]
-fn a_meter_says_how_many_events_it_saw() {
+fn groups_and_directions_have_one_name_each() {
+    for group in Group::ALL {
+        assert_eq!(serde_json::json!(group), group.name());
+        assert_eq!(group.is_repeatable(), group != Group::Cost);
+    }
+    for better in [Better::Lower, Better::Higher] {
+        assert_eq!(serde_json::json!(better), better.name());
+    }
+}
+
+/// A count of nothing in no time is no rate.
+#[test]
+fn a_rate_wants_time() {
+    assert_eq!(Rate::default().per_min(), None);
+    assert_eq!(Rate { count: 3, watched_s: 90.0 }.per_min(), Some(2.0));
+}
+
+/// What is printed of a meter is how much it has seen, and of a metric its name.
+#[test]
+fn a_meter_and_a_metric_are_printed_in_short() {
     let mut meter = Meter::new(&Run::new().header);
     Run::clearances(&[1.0, 0.9]).events.iter().for_each(|event| meter.observe(event));
     assert_eq!(format!("{meter:?}"), "Meter { events: 3, .. }");
+    assert_eq!(format!("{:?}", metric("sparc")), "Some(Metric { name: \"sparc\", .. })");
 }
 
 #[test]
@@ -189,6 +210,18 @@ fn a_step_stands_no_longer_than_two_periods() {
     run.step(10.0, |_| {}).command(10.0, 0.5, 0.0);
     close(run.metric("override_m"), 0.04);
     close(Some(run.measured().metrics.duration_s), 0.3);
+}
+
+/// Where the period is not told a step stands until the next one, half a second at most; the last one for no time.
+#[test]
+fn without_a_period_a_step_stands_for_half_a_second() {
+    for period_s in [0.0, f64::NAN] {
+        let mut run = Run::new();
+        for t_s in [0.0, 0.3, 10.0] {
+            run.step(t_s, |step| step.control_period_s = period_s);
+        }
+        close(Some(run.measured().metrics.duration_s), 0.3 + 0.5);
+    }
 }
 
 #[test]

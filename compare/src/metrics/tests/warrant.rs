@@ -230,6 +230,20 @@ fn time_to_collision_is_that_of_the_body() {
     close(gaps(&[(-0.1, 0.0, 0.0)]).metric("min_ttc_s"), 0.0);
 }
 
+/// Without a speed, a place or a clearance nobody knows how soon anything would be touched.
+#[test]
+fn no_time_to_collision_is_made_up() {
+    let soonest = |change: fn(&mut schemas::Truth)| {
+        let mut run = Run::new();
+        run.truth(0.0, change).step(0.0, |_| {}).metric("min_ttc_s")
+    };
+    assert_eq!(soonest(|truth| (truth.v_mps, truth.omega_radps) = (0.0, 0.0)), Some(3.0));
+    assert_eq!(soonest(|truth| truth.v_mps = f64::NAN), None);
+    assert_eq!(soonest(|truth| truth.omega_radps = f64::INFINITY), None);
+    assert_eq!(soonest(|truth| truth.pose.y_m = f64::NAN), None);
+    assert_eq!(soonest(|truth| truth.clearance_m = f64::NAN), None);
+}
+
 #[test]
 fn the_stopping_margin_takes_off_reaction_and_braking() {
     // 0.5 − 0.4·0.1 − 0.4²/(2·2) = 0.42; 0.45 at rest; the least counts.
