@@ -83,10 +83,11 @@ impl Accumulate for Reversals {
         self.last_s = Some(request.t_s);
         for (sign, share) in self.signs.iter_mut().zip(shares) {
             if libm::fabs(share) > ASKS_ABOVE {
-                if *sign * share < 0.0 {
+                let now = libm::copysign(1.0, share);
+                if *sign == -now {
                     self.rate.count += 1;
                 }
-                *sign = libm::copysign(1.0, share);
+                *sign = now;
             }
         }
     }

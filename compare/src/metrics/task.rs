@@ -20,12 +20,8 @@ fn cross_track_m(task: &Task, point_m: [f64; 2]) -> f64 {
     let [vx, vy] = task.velocity_mps;
     let (dx, dy) = (point_m[0] - task.from_m[0], point_m[1] - task.from_m[1]);
     let speed_squared = vx * vx + vy * vy;
-    // When the target is nearest; a target at rest is always where it starts.
-    let nearest_s = if speed_squared > 0.0 {
-        ((dx * vx + dy * vy) / speed_squared).min(task.until_s).max(0.0)
-    } else {
-        0.0
-    };
+    // When the target is nearest. One at rest is always where it starts: `min` drops that 0/0.
+    let nearest_s = ((dx * vx + dy * vy) / speed_squared).min(task.until_s).max(0.0);
     libm::hypot(dx - vx * nearest_s, dy - vy * nearest_s)
 }
 
