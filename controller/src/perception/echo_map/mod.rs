@@ -53,7 +53,7 @@ use self::points::{PlacedEcho, Points};
 use self::ray::{Lane, Ray, least_free_m};
 use self::scan::Scan;
 use self::sightings::{Sightings, drawn_nearer_m};
-use self::surprise::surprises;
+use self::surprise::Nearby;
 use crate::digest::Digest;
 use crate::estimation::Odometry;
 
@@ -84,6 +84,7 @@ pub struct EchoMap {
     /// Readings that wait to be placed, with the odometer at which they came in, metres.
     pending: Vec<(SonarEcho, f64)>,
     cones: Cones,
+    nearby: Nearby,
     gaps: Gaps,
     points: Points,
     faces: Faces,
@@ -106,6 +107,7 @@ impl EchoMap {
             beams: Beam::all(),
             pending: Vec::with_capacity(PENDING),
             cones: Cones::new(),
+            nearby: Nearby::new(),
             gaps: Gaps::new(),
             points: Points::new(),
             faces: Faces::new(),
@@ -303,6 +305,7 @@ impl EchoMap {
             digest.numbers(&[echo.range_m, *odometer_m]);
         }
         self.cones.fold(digest, start);
+        self.nearby.fold(digest, start);
         self.gaps.fold(digest, start);
         self.points.fold(digest, start);
     }
@@ -333,6 +336,7 @@ impl EchoMap {
 
     fn forget(&mut self) {
         self.cones = Cones::new();
+        self.nearby = Nearby::new();
         self.gaps.clear();
         self.points.clear();
     }
@@ -359,11 +363,12 @@ impl EchoMap {
         };
         let reading = Reading::of(echo);
         let doubted = match reading {
-            Reading::Echo(range_m) => surprises(&self.cones, id, range_m, echo.fired),
+            Reading::Echo(range_m) => self.nearby.surprised(&self.cones, id, range_m, echo.fired),
             Reading::Silent | Reading::Unknown => false,
         };
         self.cones.hear(id, echo.fired, reading);
         let Reading::Echo(range_m) = reading else { return };
+        self.nearby.hear(id, range_m, echo.fired);
 
         let to_world = BodyToWorld::new(&pose);
         let beam = &self.beams[id];

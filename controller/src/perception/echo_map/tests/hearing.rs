@@ -221,7 +221,7 @@ fn an_echo_out_of_nowhere_waits_for_another() {
     assert!(rig.safety(10.0) < 0.25 && rig.law(10.0) < 0.25);
 }
 
-/// The same counts at once if a neighbour hears something beside it, if it came nearer by no more than what
+/// The same counts at once if a sonar beside hears something there, if it came nearer by no more than what
 /// can approach in a sweep, if the sonar heard nothing before, and if nobody knows what is beside.
 #[test]
 fn an_echo_that_may_be_something_counts_at_once() {
@@ -243,19 +243,66 @@ fn an_echo_that_may_be_something_counts_at_once() {
         let there = |[a, b]: [f64; 2]| libm::hypot(a - x, b - y) < 1e-6;
         rig.map.near_points().any(|(point, _)| there(point.centre_m))
     };
-    // From 1.0 m to 0.6 m, alone: passed over.
-    let far = [(3, 1.0)];
+    // From 1.5 m to 0.6 m, alone: passed over.
+    let far = [(3, 1.5)];
     assert!(!after(&far, &[(3, 0.6)], None));
-    // The sonar beside heard as much, or nearer; one two places farther does not count.
-    assert!(after(&[(3, 1.0), (2, 1.0)], &[(2, 0.85), (3, 0.6)], None));
-    assert!(after(&[(3, 1.0), (2, 1.0)], &[(2, 0.4), (3, 0.6)], None));
-    assert!(!after(&[(3, 1.0), (2, 1.0)], &[(2, 0.95), (3, 0.6)], None));
-    assert!(!after(&[(3, 1.0), (1, 0.6)], &[(1, 0.6), (3, 0.6)], None));
-    // By 0.3 m.
-    assert!(after(&[(3, 0.9)], &[(3, 0.6)], None));
+    // One of the two sonars on either side heard as much, or nearer; in 0.02 s nothing moves by 0.05 m.
+    for beside in [1, 2, 4, 5] {
+        let before = [(3, 1.5), (beside, 1.5)];
+        assert!(after(&before, &[(beside, 0.85), (3, 0.6)], None), "{beside}");
+        assert!(after(&before, &[(beside, 0.4), (3, 0.6)], None), "{beside}");
+    }
+    assert!(!after(&[(3, 1.5), (2, 1.5)], &[(2, 0.95), (3, 0.6)], None));
+    for beside in [0, 6] {
+        assert!(!after(&[(3, 1.5), (beside, 0.6)], &[(beside, 0.6), (3, 0.6)], None), "{beside}");
+    }
+    // By 0.5 m in 0.34 s: it may be what was heard, 0.3 m nearer for its width.
+    assert!(after(&[(3, 1.1)], &[(3, 0.6)], None));
+    assert!(!after(&[(3, 1.2)], &[(3, 0.6)], None));
     // After silence.
     assert!(after(&[], &[(3, 0.6)], None));
     // Nobody knows what is to its right, or its left.
     assert!(after(&far, &[(3, 0.6)], Some(4)));
     assert!(after(&far, &[(3, 0.6)], Some(2)));
+}
+
+/// What was heard 0.7 s ago or longer is not contradicted.
+#[test]
+fn an_echo_after_a_silence_counts_at_once() {
+    let counts_after = |ms: u64| {
+        let mut rig = Rig::new();
+        rig.sweep_twice(&[(3, 1.5)]);
+        rig.wait(ms);
+        rig.say(3, 0.6, true);
+        rig.advance();
+        rig.map.near_points().any(|(point, _)| point.centre_m[0] < 1.0)
+    };
+    assert!(!counts_after(680));
+    assert!(counts_after(720));
+}
+
+/// Someone is heard at 0.4 m by the sonar at 50°, goes through the blind gap while that hears the wall again,
+/// and is then heard by the one at 90°. That counts at once, up to 1.5 s later.
+#[test]
+fn who_comes_out_of_a_blind_gap_counts_at_once() {
+    let heard_after = |ms: u64| {
+        let mut rig = Rig::new();
+        let wall = [(0, 2.0), (1, 2.0), (2, 2.0), (14, 2.0), (15, 2.0)];
+        rig.sweep_twice(&wall);
+        rig.wait(320);
+        rig.say(1, 0.4, true);
+        // Every 0.3 s, so that what was said last is recent.
+        for _ in 0..ms / 300 {
+            rig.wait(300);
+            rig.sweep(&wall);
+        }
+        rig.wait(20);
+        rig.say(0, 0.35, true);
+        rig.advance();
+        // What the sonar at 50° heard is farther ahead.
+        let beside = |[x, y]: [f64; 2]| x < 0.3 && y < 1.0;
+        rig.map.near_points().any(|(point, _)| beside(point.centre_m))
+    };
+    assert!(heard_after(300) && heard_after(1200));
+    assert!(!heard_after(1500));
 }
