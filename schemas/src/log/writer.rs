@@ -48,7 +48,9 @@ pub trait Sink: Write {
 impl Sink for BufWriter<File> {
     fn settle(&mut self) -> io::Result<()> {
         self.flush()?;
-        self.get_ref().sync_all()
+        let file = self.get_ref();
+        // A pipe or a device has no disk to wait for, and refuses.
+        if file.metadata()?.is_file() { file.sync_all() } else { Ok(()) }
     }
 }
 impl Sink for Vec<u8> {}

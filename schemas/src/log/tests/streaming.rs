@@ -32,6 +32,18 @@ fn the_readers_memory_follows_one_chunk_and_not_the_file() {
     assert!(long < 4 * (32 << 10), "{long} bytes");
 }
 
+/// What is not a file on a disk takes a log too, though there is nothing to wait for.
+#[cfg(unix)]
+#[test]
+fn a_log_may_go_to_a_device() {
+    let mut log = create("/dev/null", &header(), &bare(4096)).expect("opens");
+    for event in &events(5) {
+        log.write(event).expect("takes all");
+    }
+    let (_, summary) = log.finish().expect("ends");
+    assert_eq!(summary.messages, events(5).len() as u64);
+}
+
 #[test]
 fn the_writers_chunks_end_by_size_and_by_log_time() {
     let chunks = |log: &[u8]| {
