@@ -184,7 +184,8 @@ impl Tally {
                 let Field { name: field, unit, .. } = Step::FIELDS[number];
                 self.deviation = Some(Deviation { field, amount, unit, t_s });
             }
-            if self.first_difference.as_ref().is_none_or(|(first_s, _)| t_s < *first_s) {
+            // In one step with another difference as well: which of them comes first is for the diff to say.
+            if self.first_difference.as_ref().is_none_or(|(first_s, _)| t_s <= *first_s) {
                 self.first_difference = Some((t_s, steps));
             }
             if let Some(whole) = self.whole.take() {
@@ -265,6 +266,26 @@ mod tests {
     use schemas::Pose;
 
     use super::*;
+
+    /// A step that lost a field, which differs in another one besides: the diff is told of both.
+    #[test]
+    fn what_was_lost_is_told_beside_another_difference() {
+        let event = |stamp, step_index, clear_m, k| {
+            let step = Step { safety_clear_m: clear_m, k, ..Step::unknown(stamp, step_index) };
+            Stamped { at: stamp, value: Event::Step(Box::new(step)) }
+        };
+        let mut tally = Tally::new(Covered::Outputs, Time(0));
+        let steps = [(Some(1.0), 1.0), (None, 0.0), (Some(1.0), 1.0)];
+        for (index, (clear_m, k)) in (0..).zip(steps) {
+            let recorded = event(Time(index * 100), index, clear_m, k);
+            tally.recorded(&recorded);
+            let Event::Step(step) = &recorded.value else { unreachable!("a step was made") };
+            tally.replayed(&event(Time(index * 100), index, Some(1.0), 1.0), Some(step));
+        }
+        let first = tally.finish().expect("it has steps").first_difference.expect("they differ");
+        assert_eq!(first.steps.map(|step| (step.step_index, step.k)), [(1, 0.0), (1, 1.0)]);
+        assert!(first.lost);
+    }
 
     /// A turn rate of 3.1 and one of −3.1 are far apart, two directions are not: 2π − 6.2.
     #[test]
