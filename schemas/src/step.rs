@@ -141,7 +141,8 @@ step! {
         d2r_m: f64, "m";
         /// D: distance to the edge of the admissible set along the direction of travel.
         distance_human_m: f64, "m";
-        /// D as compared with the critical distances: less guard and travel in one period, where on.
+        /// D as compared with the critical distances: with sonars more by what they measure too short; less guard
+        /// and travel in one period, where on.
         distance_effective_m: f64, "m";
         /// Sonars whose cones are unknown: not heard yet, silent for too long, or nonsense. The safety
         /// layer takes what they look at for blocked. None with exact rays.

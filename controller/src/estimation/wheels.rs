@@ -11,7 +11,7 @@ const FASTEST_WHEEL_MPS: f64 = 2.5;
 const STANDING_MPS: f64 = 1e-3;
 
 /// For how long the wheels must stand before the robot is taken to stand, seconds. Longer than a body
-/// takes to stop shaking, short within the 0.4 s of standing at the start.
+/// takes to stop shaking, short within the 0.3 s of standing at the start.
 const STANDING_S: f64 = 0.1;
 
 /// Travel, metres, that a wheel must have missed, by what the other wheel and the gyro say, before

@@ -24,8 +24,8 @@ pub struct Look<'a> {
 pub struct Ray {
     /// World angle, radians.
     pub angle_rad: f64,
-    /// Free travel of what is asked about (`law_body`, `d_body`; for the safety layer the body's circle), metres: +∞ where nothing is met, NaN where nothing is
-    /// known (0 for the safety layer).
+    /// Free travel of what is asked about (`law_body`, `d_body`; for the safety layer the body's circle), metres:
+    /// +∞ where nothing is met, NaN where nothing is known (0 for the safety layer).
     pub free_m: f64,
     /// The echo that ends it; `None` with exact rays, and where nothing is met or known.
     pub echo: Option<LimitingEcho>,

@@ -12,7 +12,7 @@ const OLDEST_VERSION: u32 = 1;
 pub(super) const RUN: &str = "tandem.run";
 /// Name of the metadata record at the end of a log whose writing was stopped before the end of its run.
 pub(super) const STOPPED: &str = "tandem.stopped";
-/// Key in it that says why, where that is not that somebody stopped it.
+/// Key in it that says what stopped it; the first marks had none.
 pub(super) const STOPPED_BY: &str = "by";
 /// Name of the attachment with every parameter of the controller that drove.
 pub(super) const PARAMS: &str = "params.toml";

@@ -67,7 +67,7 @@ pub(super) struct Point {
     /// Whether it is passed over until another firing hears it too.
     pub(super) doubted: bool,
     /// How many other firings have heard something at this very place, of all the echoes that repeated one another;
-    /// 1 if one has confirmed it.
+    /// from 1 on for a point of an echo that was confirmed when it was heard, from 0 on for any other.
     pub(super) heard: u8,
     /// How many newer echoes have looked through it.
     carved: u8,
