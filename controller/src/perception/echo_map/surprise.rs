@@ -12,12 +12,7 @@ use schemas::{SONARS, Span, Time};
 use super::cones::{Cones, Reading};
 use crate::digest::Digest;
 
-/// What came nearer by more than this from one firing to the next did not come by itself, metres: a robot at
-/// 0.7 m/s and someone at 0.3 m/s approach each other by 0.32 m in a sweep of 0.32 s; and the noise of two
-/// ranges.
-const LEAP_M: f64 = 0.35;
-
-/// Something beside is one that it may be part of if it is heard no farther away than this beyond it, metres.
+/// What was heard is a thing that an echo may be part of if it is no farther away than this beyond it, metres.
 /// Chosen: the width of a person.
 const BESIDE_M: f64 = 0.3;
 
@@ -33,7 +28,7 @@ const RECENT: Span = Span(700_000_000);
 /// away at 0.3 m/s, and two sonars may take a sweep more each, one missed. With 0.7 s it is 9 of those.
 const LATELY: Span = Span(1_500_000_000);
 
-/// What each sonar has heard near by of late.
+/// What each sonar has heard near by of late, be it false itself: two echoes out of nowhere in a row count.
 #[derive(Clone, Debug)]
 pub(super) struct Nearby {
     /// When, and how far away, metres.
@@ -61,8 +56,8 @@ impl Nearby {
             let at = cones.fired(id)?;
             (fired.since(at) <= RECENT).then(|| cones.reading(id))
         };
-        let leaps =
-            matches!(recent(id), Some(Reading::Echo(before_m)) if before_m > range_m + LEAP_M);
+        let looked_past =
+            matches!(recent(id), Some(Reading::Echo(before_m)) if before_m >= range_m + BESIDE_M);
         // They are numbered around the robot.
         let on_either_side =
             |by: usize| [id + by, id + SONARS.len() - by].map(|id| id % SONARS.len());
@@ -80,7 +75,7 @@ impl Nearby {
                 .is_some_and(|[nearest_m, _]| nearest_m < range_m + BESIDE_M)
         };
         let alone = || !(0..=2).flat_map(on_either_side).any(may_be_part);
-        leaps && silent_beside() && alone()
+        looked_past && silent_beside() && alone()
     }
 
     /// Between which ranges of the sonar `id` what it has heard near by of late may be at `now`, metres.
