@@ -1,6 +1,6 @@
 //! Contract: sets, switch, selection and safety layer behave as specification §§5, 9 and 12 say.
 
-use controller::safety::{Braking, Cone, Limits, clip, scale};
+use controller::safety::{Braking, Cone, Limits, clip, scale, scale_velocities};
 use controller::sharing::{
     Switch, classify_printed, classify_total, critical_distance_m, danger, select,
 };
@@ -179,6 +179,7 @@ proptest! {
     fn scaling_keeps_the_curvature(v in -5.0..5.0f64, omega in -9.0..9.0f64) {
         let limits = Limits([0.7, 2.0]);
         let [vs, os] = scale([v, omega], &limits);
+        prop_assert_eq!(scale_velocities([v, omega], &limits), [vs, os]);
         prop_assert!(vs.abs() <= 0.7 && os.abs() <= 2.0);
         prop_assert!((vs * omega - os * v).abs() < 1e-12 * (1.0 + (v * omega).abs()));
         prop_assert!(vs * v >= 0.0 && os * omega >= 0.0);
@@ -188,6 +189,14 @@ proptest! {
         prop_assert!(vc.abs() <= 0.7 && oc.abs() <= 2.0);
         prop_assert!(v.abs() > 0.7 || vc.to_bits() == v.to_bits());
         prop_assert!(omega.abs() > 2.0 || oc.to_bits() == omega.to_bits());
+    }
+
+    /// S1 where the law asks for absurd turns: a tenth of the speed stays, if within its limit.
+    #[test]
+    fn scaling_leaves_a_tenth_of_the_speed(v in -20.0..20.0f64, omega in 20.0..1e6f64) {
+        let [vs, os] = scale_velocities([v, omega], &Limits([0.7, 2.0]));
+        prop_assert!((vs - (0.1 * v).clamp(-0.7, 0.7)).abs() < 1e-12);
+        prop_assert!((os - 2.0).abs() < 1e-12);
     }
 
     /// S2: idempotent, never faster, never another way, never touches ω, identity when far and at

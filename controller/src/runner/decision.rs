@@ -8,7 +8,7 @@ use super::request::Request;
 use super::senses::Senses;
 use super::setup::Setup;
 use super::sharing::Question;
-use crate::safety::{Limits, Near, Saturation, Shield, clip, scale};
+use crate::safety::{Limits, Near, Saturation, Shield, clip, scale, scale_velocities};
 use crate::sharing::select;
 use crate::spec::Law;
 use crate::target::Target;
@@ -106,7 +106,8 @@ impl Runner {
             setup.stop(speeds)
         } else {
             match params.saturation {
-                Saturation::Scale => scale(feedback.u, &limits),
+                Saturation::Scale if law == Law::Dynamic => scale(feedback.u, &limits),
+                Saturation::Scale => scale_velocities(feedback.u, &limits),
                 Saturation::Clip => clip(feedback.u, &limits),
             }
         };

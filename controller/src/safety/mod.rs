@@ -12,7 +12,7 @@ mod sweep;
 
 pub use braking::Braking;
 pub use cone::Cone;
-pub use limits::{Limits, clip, scale};
+pub use limits::{Limits, clip, scale, scale_velocities};
 pub use motion::{Drive, Moving, arc};
 pub use near::{Keep, Near};
 pub use sweep::Sweep;
