@@ -121,6 +121,31 @@ fn a_parabola_has_its_least_value() {
     }
 }
 
+/// A body of 2 m × 1 m about (2, 1): a disc of 0.1 m about a point 0.2 m behind its front is 0.3 m deep in it, a
+/// square of 0.4 m whose face is 0.1 m behind it is 0.1 m deep, though its middle is farther ahead than the front
+/// and it is smaller than the body. The walls are 0.5 m away and more.
+#[test]
+fn the_depth_of_what_is_in_a_large_body_is_to_its_nearest_side() {
+    let footprint = Footprint { length_m: 2.0, width_m: 1.0 };
+    let deepest_m = |world: &World| {
+        let body = Placed::new(&MIDDLE, 0.0);
+        Certain::new(world, footprint).deepest_m(world, &body, 0.0, 0b1_1111)
+    };
+    let at_m = [2.8, 1.1];
+    let disc = MovingDisc {
+        radius_m: 0.1,
+        from_m: at_m,
+        to_m: at_m,
+        speed_mps: 0.0,
+        start_s: 0.0,
+        to_and_fro: false,
+    };
+    let in_body = deepest_m(&World { discs: vec![disc], ..scenario().world });
+    assert!((in_body + 0.3).abs() < 1e-12, "{in_body} m");
+    let at_front = deepest_m(&World { obstacles: vec![block(3.1, 1.0)], ..scenario().world });
+    assert!((at_front + 0.1).abs() < 1e-12, "{at_front} m");
+}
+
 fn room() -> (World, Certain) {
     let scenario = scenario();
     let certain = Certain::new(&scenario.world, scenario.robot.footprint);

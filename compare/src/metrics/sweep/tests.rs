@@ -222,8 +222,9 @@ fn step_by_step(at: &Surroundings, pose: &Pose, t_s: f64, course: &Course) -> Op
 }
 
 /// In a hall 20 m from the wall, 3 m/s for 4 s and then for 4 s more; and in the room 0.7 m from it, 0.05 m/s
-/// for 2 s and 0.16 m/s for 4 s, which lead there in 2 s and 0.6/0.16 s. On the way the distance is not worked
-/// out where nothing can have come near.
+/// for 2 s and 0.16 m/s for 4 s, which lead there in 2 s and 0.6/0.16 s; and after 4 s of rest at 0.24 m/s 1.75 m
+/// along a wall that is as near all the way, so that the body goes on before it has reached the other. On the
+/// way the distance is not worked out where nothing can have come near.
 #[test]
 fn looks_that_are_left_out_change_nothing_later() {
     let mut hall = scenario();
@@ -236,13 +237,25 @@ fn looks_that_are_left_out_change_nothing_later() {
     let (from, to) = (twist(0.05, 0.0), twist(0.16, 0.0));
     let slowly = Course { from, to, delay_s: 2.0, hold_s: 4.0, accel: None };
     let before = Pose { x_m: 3.05, ..MIDDLE };
-    for (at, pose, course, want_s) in
-        [(&hall, Pose::default(), there, 20.0 / 3.0), (&room(), before, slowly, 5.75)]
-    {
+    let (from, to) = (Twist::default(), twist(0.24, 0.0));
+    let along = Course { from, to, delay_s: 4.0, hold_s: 8.0, accel: None };
+    for (at, pose, course, want_s) in [
+        (&hall, Pose::default(), there, 20.0 / 3.0),
+        (&room(), before, slowly, 5.75),
+        (&room(), MIDDLE, along, 4.0 + 1.75 / 0.24),
+    ] {
         let got = step_by_step(at, &pose, 0.0, &course);
         close(got, want_s, 1e-6);
         assert_eq!(got, look_everywhere(at, &pose, 0.0, &course));
     }
+}
+
+/// At rest what was known to be clear by no more than the bound is taken back by is clear by nothing in the
+/// end: that is looked at, and no contact.
+#[test]
+fn a_bound_that_is_used_up_is_no_contact() {
+    let rest = Course::constant(Twist::default(), 1.0);
+    assert!(room().first_touch(&MIDDLE, 0.0, &rest, CLEAR_M).is_none());
 }
 
 /// 1.75 m ahead is the wall: at 1 m/s the body touches it in the very middle of 3.5 s.

@@ -4,9 +4,11 @@
 //! the wall. Velocities take effect at once, so a request at v is safe with more than v · 1 s ahead.
 
 use super::close;
+use crate::metrics::judge::{Judge, State};
+use crate::metrics::sweep::Surroundings;
 use crate::metrics::{CATALOGUE, Meter};
 use crate::synthetic::{Run, block, scenario};
-use schemas::MovingDisc;
+use schemas::{Footprint, MovingDisc, Pose, Twist};
 
 /// One step for each (gap ahead, requested v, executed v), 0.1 s apart, so that each is judged.
 fn gaps(steps: &[(f64, f64, f64)]) -> Run {
@@ -106,6 +108,41 @@ fn the_nearest_safe_input_is_straight_back() {
     let necessary = run.metric("necessary").expect("defined");
     let least = (0.5 - 0.354) / 0.7;
     assert!((least - 1e-9..least + 0.1 / 32.0).contains(&necessary), "{necessary}");
+}
+
+/// Before a thin pillar straight ahead a thin body may as well turn to the left as to the right: the first that
+/// is looked at counts, to the left, wherever in the last halving the border lies. A pillar that stands 2 mm off
+/// the middle is passed on its other side.
+#[test]
+fn of_corrections_as_large_the_one_to_the_left_counts() {
+    for hundredths in 0..10 {
+        for (off_m, left) in [(0.0, true), (-0.002, true), (0.002, false)] {
+            let mut world = scenario().world;
+            let at_m = [1.3 + 0.01 * f64::from(hundredths), 1.0 + off_m];
+            world.discs = vec![MovingDisc {
+                radius_m: 0.01,
+                from_m: at_m,
+                to_m: at_m,
+                speed_mps: 0.0,
+                start_s: 0.0,
+                to_and_fro: false,
+            }];
+            let footprint = Footprint { length_m: 0.1, width_m: 0.02 };
+            let mut judge = Judge::new(Surroundings::new(world, footprint), &scenario().plant);
+            let state = State {
+                t_s: 0.0,
+                pose: Pose { x_m: 1.0, y_m: 1.0, theta_rad: 0.0 },
+                twist: Twist::default(),
+                accelerates: false,
+            };
+            let asked = Twist { v_mps: 0.7, omega_radps: 0.0 };
+            let judgement = judge.judge(&state, asked).expect("known");
+            let nearest = judgement.nearest_safe.expect("there is room beside it");
+            assert!(!judgement.safe);
+            assert_eq!(nearest.omega_radps > 0.0, left, "{at_m:?}: {nearest:?}");
+            assert!(nearest.omega_radps != 0.0, "{at_m:?}: {nearest:?}");
+        }
+    }
 }
 
 /// Whichever number is missing.
