@@ -20,10 +20,11 @@ fn slow_recording_into(here: &Workplace, log: &str, grows: &str) -> Child {
         .stderr(Stdio::null())
         .spawn()
         .expect("the program starts");
-    // Until something has reached the disk: the head, and a second of session.
+    // Until something has reached the disk: the head (12 kB), a second of session (27 kB), and some of the next, so
+    // that the first is there whole.
     let began = Instant::now();
     let size = || std::fs::metadata(here.path(grows)).map_or(0, |file| file.len());
-    while size() < 30_000 {
+    while size() < 45_000 {
         assert!(began.elapsed() < Duration::from_secs(30), "nothing is written");
         sleep(Duration::from_millis(50));
     }
