@@ -10,6 +10,7 @@ report.html and its companions for both models.
 
 import argparse
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -35,6 +36,10 @@ SHOWN = {
     "comfort": ["accel_rms_mps2", "jerk_rms_mps3", "angular_jerk_rms_radps3", "sparc"],
     "task": ["tracking_rms_m", "path_efficiency"],
 }
+KIND_WORDS = {
+    "left_admissible_set": "leaving the admissible set",
+    "collision_disc_active": "moving towards someone in contact",
+}
 
 
 def tandem(*arguments: str) -> int:
@@ -50,15 +55,29 @@ def record(folder: Path, controller: str, count: int) -> list[str]:
         runs = []
         for number in range(count):
             kind, room = KINDS[number % len(KINDS)], number // len(KINDS) + 1
-            log = folder / controller / f"{kind.replace(':', '-')}-{room}.mcap"
-            logs.append(str(log))
+            # Reports name logs as they are given: from the root of the project, wherever that is.
+            log = os.path.relpath(folder / controller / f"{kind.replace(':', '-')}-{room}.mcap", ROOT)
+            logs.append(log)
             runs.append(pool.submit(
                 tandem, "record", "--quiet", "--no-view", "--force", "--scenario", f"random:{kind}:{room}",
-                "--controller", controller, "--seed", str(number + 1), "-o", str(log),
+                "--controller", controller, "--seed", str(number + 1), "-o", log,
             ))
         if any(run.result() for run in runs):
             sys.exit(f"recording with {controller} failed")
     return logs
+
+
+def breaches(result: dict) -> list[str]:
+    """What B alone did at every level of the ladder, each once."""
+    seen = {}
+    for one in result["violations"]:
+        if one["new"] and not one["possible"]:
+            seen.setdefault((one["log"], one["kind"]), one)
+    return [
+        f"{KIND_WORDS.get(kind, kind)} in `{Path(log).stem}` at {one['t_s']:.2f} s ({1000 * one['depth_m']:.0f} mm deep,"
+        f" at {one['speed_mps']:.2f} m/s as it began)"
+        for (log, kind), one in seen.items()
+    ]
 
 
 def number(x: float | None) -> str:
@@ -113,7 +132,7 @@ def picture(report: Path, name: str) -> None:
         return
     picture = ROOT / f"docs/report/flagship-{name}.png"
     subprocess.run(
-        [browser, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--window-size=1180,1500",
+        [browser, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--window-size=1400,1700",
          f"--screenshot={picture}", report.as_uri()],
         check=True, capture_output=True,
     )
@@ -169,6 +188,15 @@ def main() -> None:
             ),
             "",
         ]
+        if alone := breaches(result):
+            page += [
+                *textwrap.wrap(
+                    f"What `{b}` alone does at every level of the ladder, which fails a comparison however good the rest"
+                    f" is: {'; '.join(alone)}.",
+                    width=104, break_on_hyphens=False, break_long_words=False,
+                ),
+                "",
+            ]
     page += table(results)
     page += [
         "",
