@@ -45,7 +45,7 @@ impl ViolationKind {
     pub fn words(self) -> &'static str {
         match self {
             ViolationKind::LeftAdmissibleSet => "left the admissible set",
-            ViolationKind::CollisionDiscActive => "ran into a moving disc",
+            ViolationKind::CollisionDiscActive => "moved towards a moving disc that touched it",
             ViolationKind::CollisionDiscPassive => "was run into by a moving disc",
         }
     }

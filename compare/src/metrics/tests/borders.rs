@@ -89,7 +89,7 @@ fn violations_have_names() {
         .map(of),
         [
             ("left_admissible_set", "left the admissible set", true),
-            ("collision_disc_active", "ran into a moving disc", true),
+            ("collision_disc_active", "moved towards a moving disc that touched it", true),
             ("collision_disc_passive", "was run into by a moving disc", false),
         ]
     );
