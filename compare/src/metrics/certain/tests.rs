@@ -242,6 +242,13 @@ fn nothing_is_said_of_odd_worlds_and_numbers() {
     }
 }
 
+/// Facing (0.6, 0.8) what is to the left is a quarter of a turn on, at (−0.8, 0.6).
+#[test]
+fn left_is_a_quarter_of_a_turn_on() {
+    let body = Placed { forward: [0.6, 0.8], ..Placed::default() };
+    assert_eq!(body.left(), [-0.8, 0.6]);
+}
+
 /// A piece at both ends of which the body is in the same place.
 fn piece(centre_m: [f64; 2], forward: [f64; 2], from_s: f64, to_s: f64) -> Piece {
     let [from, to] = [from_s, to_s].map(|at_s| Placed { at_s, centre_m, forward });
