@@ -67,7 +67,7 @@ pub struct Violation {
     pub kind: ViolationKind,
     /// How deep the overlap became, metres.
     pub depth_m: f64,
-    /// |v| at the first sample, m/s.
+    /// |v| at the first sample, m/s; of an active contact, at the first at which it was.
     pub speed_mps: f64,
 }
 
@@ -155,8 +155,9 @@ fn follow(
         (Some(kind), Some(violation)) => {
             violation.until_s = violation.until_s.max(motion.t_s);
             violation.depth_m = violation.depth_m.max(depth_m);
-            if kind == ViolationKind::CollisionDiscActive {
+            if kind == ViolationKind::CollisionDiscActive && violation.kind != kind {
                 violation.kind = kind;
+                violation.speed_mps = libm::fabs(motion.twist.v_mps);
             }
         }
         (Some(kind), None) => {

@@ -155,7 +155,7 @@ fn interventions_merge_below_three_tenths_of_a_second() {
     close(steps(3), 120.0);
 }
 
-/// A contact that the robot first suffers and then presses on with is its own doing, from then on.
+/// A contact that the robot first suffers and then presses on with is its own doing, at the speed that it then has.
 #[test]
 fn one_active_moment_makes_a_contact_active() {
     let stretch = |speeds_mps: [f64; 2]| {
@@ -170,11 +170,12 @@ fn one_active_moment_makes_a_contact_active() {
         run.step(0.0, |_| {});
         let violations = run.measured().violations;
         assert_eq!(violations.len(), 1);
-        violations[0].kind
+        (violations[0].kind, violations[0].speed_mps)
     };
-    assert_eq!(stretch([0.0, 0.3]), ViolationKind::CollisionDiscActive);
-    assert_eq!(stretch([0.3, 0.0]), ViolationKind::CollisionDiscActive);
-    assert_eq!(stretch([0.0, 0.0]), ViolationKind::CollisionDiscPassive);
+    assert_eq!(stretch([0.0, 0.3]), (ViolationKind::CollisionDiscActive, 0.3));
+    assert_eq!(stretch([0.3, 0.2]), (ViolationKind::CollisionDiscActive, 0.3));
+    assert_eq!(stretch([0.0, 0.0]), (ViolationKind::CollisionDiscPassive, 0.0));
+    assert_eq!(stretch([-0.2, 0.0]), (ViolationKind::CollisionDiscPassive, 0.2));
 }
 
 /// Half of the clearance in 0.1 s is allowed, and from the edge itself nothing is asked for; two samples of
