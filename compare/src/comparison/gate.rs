@@ -299,8 +299,16 @@ fn judged(change: &MetricChange, gate: &MetricGate, p: f64) -> (Gate, String) {
         signed(Some(ci.high)),
         number(Some(margin))
     );
-    if every(&|[least, _]| least > margin) && p <= ALPHA {
-        (Gate::Fail, format!("worse than the margin: {shown}"))
+    if every(&|[least, _]| least > margin) {
+        if p <= ALPHA {
+            (Gate::Fail, format!("worse than the margin: {shown}"))
+        } else {
+            let chance = format!("p {} corrected, {ALPHA} at most", number(Some(p)));
+            (
+                Gate::Undecided,
+                format!("not decided, too few sessions to rule out chance ({chance}): {shown}"),
+            )
+        }
     } else {
         (Gate::Undecided, format!("not decided: {shown}"))
     }
