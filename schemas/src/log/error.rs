@@ -38,8 +38,8 @@ pub enum LogError {
     Header(String),
     /// The log ends before its end.
     #[error(
-        "the log is cut off at byte {at_byte}, after {}; what stands before is usable: copy the log again{}",
-        reached(*.after), way_out(*.after)
+        "the log is cut off at byte {at_byte}, after {}; {}copy the log again{}",
+        reached(*.after), usable(*.after), way_out(*.after)
     )]
     Truncated {
         /// Where the bytes end.
@@ -48,7 +48,7 @@ pub enum LogError {
         after: Option<f64>,
     },
     /// Whoever wrote the log stopped before the end of the run; the log says so itself.
-    #[error("{by}, after {}; what stands before is usable: make the run again{}", reached(*.after), way_out(*.after))]
+    #[error("{by}, after {}; {}make the run again{}", reached(*.after), usable(*.after), way_out(*.after))]
     Stopped {
         /// What stopped it.
         by: Stop,
@@ -57,8 +57,8 @@ pub enum LogError {
     },
     /// A stretch of the log is not what was written.
     #[error(
-        "the log is damaged at byte {at_byte}, after {}: {what}; what stands before is usable: copy the log again{}",
-        reached(*.after), way_out(*.after)
+        "the log is damaged at byte {at_byte}, after {}: {what}; {}copy the log again{}",
+        reached(*.after), usable(*.after), way_out(*.after)
     )]
     Damaged {
         /// Start of the record that is wrong.
@@ -82,8 +82,8 @@ pub enum LogError {
     },
     /// A message cannot be decoded.
     #[error(
-        "a message of {topic} cannot be decoded (byte {at_byte}, after {}): {what}; what stands before is usable: copy the log again{}",
-        reached(*.after), way_out(*.after)
+        "a message of {topic} cannot be decoded (byte {at_byte}, after {}): {what}; {}copy the log again{}",
+        reached(*.after), usable(*.after), way_out(*.after)
     )]
     Decode {
         /// The topic.
@@ -116,6 +116,10 @@ pub enum LogError {
 /// How far a damaged log can be read.
 fn reached(after: Option<f64>) -> String {
     after.map_or_else(|| "no message".to_owned(), |seconds| format!("{seconds:.3} s of session"))
+}
+
+fn usable(after: Option<f64>) -> &'static str {
+    after.map_or("", |_| "what stands before is usable: ")
 }
 
 /// How the part of a log that can be read becomes a log that every command takes for whole.
