@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::str::FromStr;
 
-use anyhow::{Context as _, Result, anyhow, bail};
+use anyhow::{Context as _, Result, anyhow, bail, ensure};
 use controller::Spec;
 use schemas::{Header, Scenario};
 use toml::{Table, Value};
@@ -97,24 +97,25 @@ fn parse(typed: &str) -> Result<ControllerChoice> {
 
 /// `key=value,key=value`; a value is a number, a boolean, or a bare word.
 fn parse_assignments(list: &str) -> Result<Table> {
-    list.split(',')
-        .map(|assignment| {
-            let (key, value) = assignment.split_once('=').ok_or_else(|| {
-                anyhow!("`{assignment}` is not a parameter: write key=value, or name a .toml file")
-            })?;
-            let value = value.trim();
-            let value = if let Ok(integer) = value.parse::<i64>() {
-                Value::Integer(integer)
-            } else if let Ok(number) = value.parse::<f64>() {
-                Value::Float(number)
-            } else if let Ok(flag) = value.parse::<bool>() {
-                Value::Boolean(flag)
-            } else {
-                Value::String(value.to_owned())
-            };
-            Ok((key.trim().to_owned(), value))
-        })
-        .collect()
+    let mut table = Table::new();
+    for assignment in list.split(',') {
+        let (key, value) = assignment.split_once('=').ok_or_else(|| {
+            anyhow!("`{assignment}` is not a parameter: write key=value, or name a .toml file")
+        })?;
+        let value = value.trim();
+        let value = if let Ok(integer) = value.parse::<i64>() {
+            Value::Integer(integer)
+        } else if let Ok(number) = value.parse::<f64>() {
+            Value::Float(number)
+        } else if let Ok(flag) = value.parse::<bool>() {
+            Value::Boolean(flag)
+        } else {
+            Value::String(value.to_owned())
+        };
+        let before = table.insert(key.trim().to_owned(), value);
+        ensure!(before.is_none(), "`{}` is given twice: say which value", key.trim());
+    }
+    Ok(table)
 }
 
 #[cfg(test)]
@@ -127,6 +128,8 @@ mod tests {
         assert_eq!(table["gamma3"], Value::Float(2.1));
         assert_eq!(table["frame"], Value::String("ref".to_owned()));
         assert!(parse_assignments("gamma3").is_err());
+        let twice = parse_assignments("gamma3=1,gamma3=5").unwrap_err();
+        assert_eq!(twice.to_string(), "`gamma3` is given twice: say which value");
     }
 
     #[test]
