@@ -20,7 +20,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-TANDEM = ROOT / "target/release/tandem"
+TANDEM = Path(os.environ.get("TANDEM", ROOT / "target/release/tandem"))
 KINDS = ["rect:goal", "rect:joystick", "slant:goal", "slant:joystick", "disc:goal", "disc:joystick"]
 PAIRS = {
     "kinematic": ("paper-kinematic", "tandem-kinematic"),
@@ -145,6 +145,8 @@ def main() -> None:
     arguments.add_argument("--human", default="ladder")
     options = arguments.parse_args()
     options.folder = options.folder.resolve()
+    if not TANDEM.exists():
+        sys.exit(f"{TANDEM} is not there: build it first, cargo build --release")
     began = time.monotonic()
     results = {}
     for model, (a, b) in PAIRS.items():

@@ -9,13 +9,14 @@ Python's own library and the release build. By default 200 comparisons with othe
 """
 
 import json
+import os
 import subprocess
 import sys
 import time
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-TANDEM = ROOT / "target/release/tandem"
+TANDEM = Path(os.environ.get("TANDEM", ROOT / "target/release/tandem"))
 PAGE = ROOT / "docs/self-test.md"
 BEGIN, END = "<!-- figures: made by docs/make-self-test.py -->", "<!-- end of figures -->"
 
