@@ -103,6 +103,44 @@ fn contradicting_safety_metrics_decide_nothing() {
     assert!(got.reason.contains("contradict"), "{}", got.reason);
 }
 
+/// Who drives through a wall is not near it for long: what happened speaks before how near it came, and what got
+/// worse is named.
+#[test]
+fn what_happened_speaks_before_what_nearly_did() {
+    let with = |clearances_m: &[f64]| {
+        let mut run = Run::clearances(clearances_m);
+        run.step(0.1, |step| step.k = 0.0);
+        run
+    };
+    let through = |w: f64| with(&[0.5, -0.1 - w, -0.2, 0.5]);
+    let beside = |w: f64| with(&[0.08 + w; 20]);
+    let got = over(12, |i| (through(wobble(i)), beside(wobble(i))));
+    assert_eq!(got.verdict, Verdict::Better, "{}", got.reason);
+    assert!(got.reason.contains("collisions -1"), "{}", got.reason);
+    assert!(got.reason.contains("; the price is near_miss_s +"), "{}", got.reason);
+
+    // Both touch, B faster, and A lingers beside it before.
+    let touches = |v_mps: f64, clearances_m: &[f64]| {
+        let mut run = Run::new();
+        for (i, clearance_m) in clearances_m.iter().enumerate() {
+            run.truth(0.1 * i as f64, |truth| {
+                truth.v_mps = v_mps;
+                (truth.clearance_m, truth.clearance_static_m) = (*clearance_m, *clearance_m);
+            });
+        }
+        run.step(0.0, |step| step.k = 0.0);
+        run
+    };
+    let got = over(12, |i| {
+        let w = wobble(i);
+        let slow = [0.5, 0.05, 0.05, 0.05, 0.05, -0.1, 0.5, 0.5];
+        (touches(0.1, &slow), touches(0.4 + w, &[0.5, 0.5, 0.5, 0.5, 0.5, -0.1, 0.5, 0.5]))
+    });
+    assert_eq!(got.verdict, Verdict::Worse, "{}", got.reason);
+    assert!(got.reason.contains("contact_speed_mps +0.3"), "{}", got.reason);
+    assert!(got.reason.contains("against that stands near_miss_s -"), "{}", got.reason);
+}
+
 /// n differences of one sign have p = 2/2ⁿ; Holm multiplies by the number of safety metrics, four
 /// here. Seven logs give 4 · 2/128 = 0.0625, eight 0.031.
 #[test]

@@ -2,13 +2,15 @@
 //!
 //! In this order; the first that applies decides:
 //!
-//! 1. **failed**: a log could not be run, or B left the static admissible set or ran into a moving
-//!    disc on a log on which A did nothing of the kind. (A disc that runs over a robot which does
+//! 1. **failed**: a log could not be run, or B left the static admissible set or moved towards a
+//!    disc in contact on a log on which A did nothing of the kind. (A disc that runs over a robot which does
 //!    not move towards it is listed and held against nobody.)
 //! 2. **same**: in no log does anything differ that the controllers say or command, and no metric.
 //! 3. **better**, **worse**: primary safety metrics changed beyond chance, all in one direction. If none
-//!    did, the primary authority metrics decide likewise. What got worse in the other group is named.
-//! 4. **undecided**: otherwise; also when metrics of the deciding group contradict each other.
+//!    did, the primary authority metrics decide likewise. What got worse in the other group is named. Where
+//!    safety metrics contradict each other, those of what happened (contacts, breaches) speak before those of
+//!    how near it came: who drives through a wall is not near it for long.
+//! 4. **undecided**: otherwise; also when metrics of the deciding group contradict each other all the same.
 //!
 //! *Beyond chance* means that the 95 % interval excludes 0 *and* that the p-value of the paired
 //! randomisation test, adjusted by Holm over the group's primary metrics, is at most 0.05. The second
@@ -21,6 +23,9 @@ use crate::statistics::{Interval, holm};
 
 /// Largest chance of a false call within a group of metrics.
 const ALPHA: f64 = 0.05;
+
+/// The primary safety metrics of what happened; the others are of how near it came.
+const HAPPENED: [&str; 3] = ["collisions", "contact_speed_mps", "invariance_breaches"];
 
 /// The groups whose primary metrics decide, the first before the second.
 const DECIDING: [Group; 2] = [Group::Safety, Group::Authority];
@@ -84,6 +89,12 @@ pub(super) fn verdict(comparison: &Comparison, all_same: bool) -> (Verdict, Stri
             (true, true) => continue,
             (false, true) => (Verdict::Better, improved),
             (true, false) => (Verdict::Worse, declined),
+            (false, false) if happened(&improved) && !happened(&declined) => {
+                (Verdict::Better, improved)
+            }
+            (false, false) if happened(&declined) && !happened(&improved) => {
+                (Verdict::Worse, declined)
+            }
             (false, false) => {
                 let reason = format!(
                     "{} metrics contradict each other: B is better in {} and worse in {}",
@@ -95,7 +106,7 @@ pub(super) fn verdict(comparison: &Comparison, all_same: bool) -> (Verdict, Stri
             }
         };
         let mut reason = format!("B is {} in {} over {logs}", verdict.name(), list(&carried));
-        reason.push_str(&price(comparison, group, verdict));
+        reason.push_str(&price(comparison, verdict));
         return (verdict, reason);
     }
     (Verdict::Undecided, no_call(comparison, &logs))
@@ -142,14 +153,17 @@ fn changed(comparison: &Comparison, group: Group) -> (Vec<&MetricChange>, Vec<&M
         })
 }
 
-/// What the other groups say against the verdict.
-fn price(comparison: &Comparison, decided_by: Group, verdict: Verdict) -> String {
+/// Whether something happened, in one of these metrics, and not only nearly.
+fn happened(metrics: &[&MetricChange]) -> bool {
+    metrics.iter().any(|metric| HAPPENED.contains(&metric.name.as_str()))
+}
+
+/// What else says the opposite of the verdict.
+fn price(comparison: &Comparison, verdict: Verdict) -> String {
     let mut against = Vec::new();
     for group in [Group::Safety, Group::Authority, Group::Task] {
-        if group != decided_by {
-            let (improved, declined) = changed(comparison, group);
-            against.extend(if verdict == Verdict::Better { declined } else { improved });
-        }
+        let (improved, declined) = changed(comparison, group);
+        against.extend(if verdict == Verdict::Better { declined } else { improved });
     }
     match (against.is_empty(), verdict) {
         (true, _) => String::new(),
