@@ -86,18 +86,20 @@ fn the_verdict_follows_its_rules() {
     assert!(mixed.reason.contains("beyond chance"), "{}", mixed.reason);
 }
 
+/// A run past something, at these clearances, metres, under the feedback law.
+fn past(clearances_m: &[f64]) -> Run {
+    let mut run = Run::clearances(clearances_m);
+    run.step(0.1, |step| step.k = 0.0);
+    run
+}
+
 /// Safety metrics that point in both directions decide nothing.
 #[test]
 fn contradicting_safety_metrics_decide_nothing() {
     // A lingers at 0.08 m; B passes quickly, at 0.05 m: fewer near misses, a smaller minimum.
-    let with = |clearances_m: &[f64]| {
-        let mut run = Run::clearances(clearances_m);
-        run.step(0.1, |step| step.k = 0.0);
-        run
-    };
     let got = over(12, |i| {
         let w = wobble(i);
-        (with(&[0.08 + w; 20]), with(&[0.5, 0.05 + w, 0.5, 0.5]))
+        (past(&[0.08 + w; 20]), past(&[0.5, 0.05 + w, 0.5, 0.5]))
     });
     assert_eq!(got.verdict, Verdict::Undecided, "{}", got.reason);
     assert!(got.reason.contains("contradict"), "{}", got.reason);
@@ -107,13 +109,8 @@ fn contradicting_safety_metrics_decide_nothing() {
 /// worse is named.
 #[test]
 fn what_happened_speaks_before_what_nearly_did() {
-    let with = |clearances_m: &[f64]| {
-        let mut run = Run::clearances(clearances_m);
-        run.step(0.1, |step| step.k = 0.0);
-        run
-    };
-    let through = |w: f64| with(&[0.5, -0.1 - w, -0.2, 0.5]);
-    let beside = |w: f64| with(&[0.08 + w; 20]);
+    let through = |w: f64| past(&[0.5, -0.1 - w, -0.2, 0.5]);
+    let beside = |w: f64| past(&[0.08 + w; 20]);
     let got = over(12, |i| (through(wobble(i)), beside(wobble(i))));
     assert_eq!(got.verdict, Verdict::Better, "{}", got.reason);
     assert!(got.reason.contains("collisions -1"), "{}", got.reason);

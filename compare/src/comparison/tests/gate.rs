@@ -54,6 +54,12 @@ fn too_few_logs_decide_nothing() {
     let few = gated(strict, 12, |_| (0.5, 0.5));
     assert_eq!(outcome(&few), Gate::Undecided);
     assert!(of(&few, "min_clearance_m").1.contains("12 logs or clusters, 30 required"));
+    // Beyond the margin in all of four logs, which chance brings about in 2 of 2⁴ cases.
+    let lenient = "[metrics.min_clearance_m]\nmargin = 0.05\nrequired_n = 2\n";
+    let chance = gated(lenient, 4, |i| (0.5, 0.2 + 0.1 * wobble(i)));
+    let (gate, reason) = of(&chance, "min_clearance_m");
+    assert_eq!(gate, Gate::Undecided);
+    assert!(reason.contains("to rule out chance (p 0.125 corrected, 0.05 at most)"), "{reason}");
 }
 
 #[test]
